@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
 from musclewire.errors import MusclewireError, RecordingError, nearest_hint
 from musclewire.signals import (
     BLOCK_ROWS,
+    Cells,
     CurableError,
     ImportMapping,
     MetadataValue,
@@ -43,9 +43,9 @@ MAX_CELLS = 2**32
 
 @dataclass(frozen=True)
 class FileColumn(SourceColumn):
-    """A column in a file: ``read(start, stop)`` returns the numbers of these rows."""
+    """A column in a file: ``read(start, stop)`` returns the cells of these rows."""
 
-    read: Callable[[int, int], FloatArray] = field(kw_only=True)
+    read: Callable[[int, int], Cells] = field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,12 @@ class FileTable(FilePart):
             values = tuple(self._rows(self.columns[index], start, stop) for index in indices)
             yield RowBlock(values, lambda row, first=start + 1: f"row {first + row}", stop - start)  # type: ignore[misc]
 
-    def _rows(self, column: SourceColumn, start: int, stop: int) -> FloatArray:
+    def _rows(self, column: SourceColumn, start: int, stop: int) -> Cells:
         assert isinstance(column, FileColumn)
         with damage_reported(self.path, self.layout):
             values = column.read(start, stop)
-            if values.shape != (stop - start,):
-                ends = f"column '{column.header}' ends after {start + values.size} of {self.row_count} rows"
+            if len(values) != stop - start:
+                ends = f"column '{column.header}' ends after {start + len(values)} of {self.row_count} rows"
                 raise RecordingError(f"{self.path}: is cut off, {ends}; use another copy")
             return values
 

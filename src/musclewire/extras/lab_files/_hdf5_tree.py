@@ -9,6 +9,7 @@ import contextlib
 import itertools
 import pickletools
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,12 @@ import numpy as np
 
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._file_table import FileTable, check_limits, chosen_table, damage_reported, one_line
-from musclewire.extras.lab_files._named_arrays import MAX_COLUMNS, Folder, NamedArray, decoded, parts_of
+from musclewire.extras.lab_files._named_arrays import MAX_COLUMNS, Folder, NamedArray, decoded, names_columns, parts_of
 
 MAX_OBJECTS = 20_000
 MAX_DEPTH = 32
 MAX_TEXT_LENGTH = 1_000_000
+MAX_NAMES = 1_000
 MATLAB_NUMBERS = frozenset({
     "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "logical",
 })  # fmt: skip
@@ -114,10 +116,8 @@ def _add(tree: dict[tuple[str, ...], Folder], place: tuple[str, ...], dataset: A
     matlab_class = decoded(dataset.attrs.get("MATLAB_class"))
     if "MATLAB_empty" in dataset.attrs or str(decoded(dataset.attrs.get("NAME"))).startswith(_NO_VALUES):
         return
-    if matlab_class == "char" and dataset.dtype.kind == "u" and dataset.size <= MAX_TEXT_LENGTH:
-        # One row of text; UTF-16 code units, as MATLAB keeps them.
-        units = np.asarray(_checked(dataset, path)[()], dtype="<u2")
-        folder.attributes[name] = units.tobytes().decode("utf-16-le", errors="replace")
+    if (text := _matlab_text(dataset, path)) is not None:
+        folder.attributes[name] = text
     elif matlab_class is None and len(place) > 1 and h5py.check_ref_dtype(dataset.dtype) is h5py.Reference:
         # The fields of an array of structs are references, which MATLAB marks by no class.
         check_limits(path, cells=dataset.size, at_once=True)
@@ -131,10 +131,43 @@ def _add(tree: dict[tuple[str, ...], Folder], place: tuple[str, ...], dataset: A
         tree[place] = Folder(place, list(_fields(dataset, path)), _attributes(dataset))
     elif dataset.dtype.kind in "biuf" and matlab_class in {None, *MATLAB_NUMBERS}:
         folder.arrays.append(_array(path, dataset, name))
+    elif h5py.check_string_dtype(dataset.dtype) and dataset.size:
+        if dataset.size == 1 or (dataset.size <= MAX_NAMES and names_columns(name)):
+            found = [decoded(text) or "" for text in np.ravel(_checked(dataset, path)[()])]
+            folder.attributes[name] = found if len(found) > 1 else found[0]
+        else:
+            folder.arrays.append(replace(_array(path, dataset, name), is_text=True))
+    elif matlab_class == "cell" and dataset.size <= MAX_NAMES and (names := _texts_of_cell(dataset, path)):
+        folder.attributes[name] = names
     else:
         folder.left_out[name] = (
             "it holds no real numbers" if matlab_class in {None, *MATLAB_NUMBERS} else str(matlab_class)
         )
+
+
+def _matlab_text(dataset: Any, path: Path) -> str | None:
+    """Return one row of text in UTF-16 code units, as MATLAB keeps it; None for anything else."""
+    if (
+        decoded(dataset.attrs.get("MATLAB_class")) != "char"
+        or dataset.dtype.kind != "u"
+        or dataset.size > MAX_TEXT_LENGTH
+    ):
+        return None
+    return np.asarray(_checked(dataset, path)[()], dtype="<u2").tobytes().decode("utf-16-le", errors="replace")
+
+
+def _texts_of_cell(dataset: Any, path: Path) -> list[str]:
+    """Return the texts of a cell array of MATLAB, none if it holds anything else."""
+    import h5py
+
+    if h5py.check_ref_dtype(dataset.dtype) is not h5py.Reference:
+        return []
+    try:
+        cells = [dataset.file[reference] for reference in _checked(dataset, path)[()].reshape(-1)]
+    except ValueError:  # a reference to nothing
+        return []
+    texts = [_matlab_text(cell, path) if isinstance(cell, h5py.Dataset) else None for cell in cells]
+    return [text for text in texts if text is not None] if None not in texts else []
 
 
 def _checked(dataset: Any, path: Path) -> Any:
@@ -162,10 +195,11 @@ def _array(path: Path, dataset: Any, name: str, field: str = "", **attributes: o
 def _fields(dataset: Any, path: Path) -> Iterator[NamedArray]:
     """Yield the fields of a table of records, each with the attributes that begin with its name."""
     for field in dataset.dtype.names[:MAX_COLUMNS]:
-        if dataset.dtype[field].base.kind in "biuf":
+        if (kind := dataset.dtype[field].base.kind) in "biufS":
             start = f"{field.lower()}_"
             own = {key: value for key, value in _attributes(dataset).items() if key.lower().startswith(start)}
-            yield _array(path, dataset, field, field, **{key[len(start) :]: value for key, value in own.items()})
+            array = _array(path, dataset, field, field, **{key[len(start) :]: value for key, value in own.items()})
+            yield replace(array, is_text=kind == "S")
 
 
 def _frame(place: tuple[str, ...], group: Any, members: Mapping[str, Any], path: Path) -> Folder:

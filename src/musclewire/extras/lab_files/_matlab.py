@@ -25,8 +25,8 @@ from musclewire.extras.lab_files._file_table import (
     damage_reported,
     one_line,
 )
-from musclewire.extras.lab_files._hdf5_tree import MATLAB_NUMBERS, hdf5_folders
-from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_of
+from musclewire.extras.lab_files._hdf5_tree import MATLAB_NUMBERS, MAX_NAMES, hdf5_folders
+from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, names_columns, parts_of
 from musclewire.signals import COLUMNS, FileWriter, MetadataValue
 
 # Our own .mat files keep the metadata, which MATLAB's names cannot all spell, as JSON in this variable.
@@ -84,8 +84,18 @@ def _folders_of_5(path: Path) -> tuple[list[Folder], str]:
         warnings.simplefilter("ignore")
         listed = whosmat(str(path), appendmat=False)
         check_limits(path, cells=sum(math.prod(shape) for _, shape, _ in listed), at_once=True)
-        wanted = [name for name, _, kind in listed if kind in MATLAB_NUMBERS or kind in {"char", "struct"}]
+        wanted = [
+            name
+            for name, shape, kind in listed
+            if kind in {"char", "struct", *MATLAB_NUMBERS} or (kind == "cell" and math.prod(shape) <= MAX_NAMES)
+        ]
         loaded = loadmat(str(path), variable_names=wanted, appendmat=False, simplify_cells=True) if wanted else {}
+    # A cell array of texts names columns; any other is no table.
+    for name, _, kind in listed:
+        if kind == "cell" and not all(
+            isinstance(text, str) for text in np.ravel(np.array(loaded.get(name), dtype=object))
+        ):
+            loaded.pop(name, None)
     others = {name: "object" if kind == "opaque" else kind for name, _, kind in listed if name not in loaded}
     folders = list(_folders({name: loaded[name] for name in wanted if name in loaded}, ()))
     folders[0].left_out |= others
@@ -105,6 +115,11 @@ def _folders(struct: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[Folde
             folder.attributes[name] = value
         elif (array := np.asarray(value)).dtype.kind in "biuf":
             folder.arrays.append(NamedArray(name, array.shape, array.__getitem__))
+        elif array.size and all(isinstance(text, str) for text in array.flat):
+            if names_columns(name):
+                folder.attributes[name] = array.ravel().tolist()
+            else:
+                folder.arrays.append(NamedArray(name, (array.size,), array.ravel().__getitem__, is_text=True))
         elif array.dtype.kind != "U":
             folder.left_out[name] = "cell" if array.dtype.kind == "O" else "complex array"
     yield folder

@@ -26,14 +26,14 @@ from musclewire.extras.lab_files._file_table import (
     metadata_of,
     one_line,
 )
-from musclewire.signals import columns_called, parse_quantity, split_header, stated_periods_s
+from musclewire.signals import Cells, columns_called, parse_quantity, split_header, stated_periods_s
 
 MAX_COLUMNS = 10_000
 
 # Under these attributes programs keep the unit, the name, and the names of the columns of a matrix.
 _UNITS = ("unit", "units", "unit_string", "ni_unitdescription", "engineeringunits", "uom")
 _LABELS = ("long_name", "label")
-_NAMES = ("columns", "column_names", "names", "fields", "channels", "labels", "headers", "variables")
+_NAMES = ("columns", "column_names", "names", "fields", "channels", "labels", "headers", "variables", "colheaders")
 # Attributes that say how a program keeps or draws an array, not what was measured.
 _TECHNICAL = re.compile(
     "NI_|wf_|unit_string|ResultStatusTable|_NC|_Netcdf4|DIMENSION_|REFERENCE_|CLASS|VERSION|TITLE|PYTABLES|MATLAB_|H5"
@@ -44,13 +44,14 @@ _SINCE = re.compile(r"(\w+) since (\d+-\d+-\d+)(?:[T ](\d+):(\d+)(?::(\d+(?:\.\d
 
 @dataclass(frozen=True, eq=False)
 class NamedArray:
-    """An array: ``read`` takes an index with an entry for each dimension, and returns numbers or ``datetime64``."""
+    """An array: ``read`` takes an index with an entry for each dimension; it returns numbers, times or texts."""
 
     name: str
     shape: tuple[int, ...]
     read: Callable[[tuple[int | slice, ...]], Any]
     attributes: Mapping[str, object] = field(default_factory=dict)
     is_time: bool = False
+    is_text: bool = False
 
     @property
     def axes(self) -> list[int]:
@@ -83,22 +84,24 @@ class NamedArray:
             name = names[index] if len(names) == width > 1 else self.header + f" {index + 1}" * (width > 1)
             unit = units[index] if len(units) == width else None
             unit = "s" if self.is_time else one_line(unit) if unit else None
-            yield FileColumn(one_line(name) or "unnamed", unit, read=self._reader(index))
+            yield FileColumn(one_line(name) or "unnamed", unit, self.is_text, read=self._reader(index))
 
     def value(self) -> Any:
         """Return the first entry."""
         return np.asarray(self.read((0,) * len(self.shape))).reshape(-1)[0]
 
-    def _reader(self, column: int) -> Callable[[int, int], FloatArray]:
+    def _reader(self, column: int) -> Callable[[int, int], Cells]:
         rows, *columns = self.axes
         constant = _number(self.attributes.get("add_offset"), 0.0)
         factor = _number(self.attributes.get("scale_factor"), 1.0)
         blank = _number(self.attributes.get("_FillValue", self.attributes.get("missing_value")), np.nan)
 
-        def read(start: int, stop: int) -> FloatArray:
+        def read(start: int, stop: int) -> Cells:
             place: list[int | slice] = [column if axis in columns else 0 for axis in range(len(self.shape))]
             place[rows] = slice(start, stop)
             values = np.asarray(self.read(tuple(place))).reshape(-1)
+            if self.is_text:
+                return [one_line(decoded(text) or "") for text in values]
             if self.is_time:
                 return _seconds_since(self.value(), values)
             numbers = values.astype(np.float64)
@@ -140,7 +143,7 @@ def parts_of(folders: Iterable[Folder], spelled: Callable[[tuple[str, ...]], str
     root = tree.setdefault((), Folder())
     _give_units(tree)
     for folder in tree.values():
-        folder.arrays = [_dated(array) for array in folder.arrays]
+        folder.arrays = [_dated(_named(array, folder.attributes)) for array in folder.arrays]
     _lift_channels(tree)
     return [part for folder in tree.values() for part in _tables(folder, root, spelled)]
 
@@ -155,6 +158,11 @@ def texts_of(attributes: Mapping[str, object], keys: Sequence[str], whole: bool 
         if text := decoded(value):
             return [text] if whole else [part.strip() for part in text.split(",")]
     return []
+
+
+def names_columns(name: str) -> bool:
+    """Return whether texts of such a name are those of the columns next to them, and not a column."""
+    return name.lower() in {*_NAMES, *_UNITS}
 
 
 def decoded(value: object) -> str | None:
@@ -184,6 +192,16 @@ def _give_units(tree: dict[tuple[str, ...], Folder]) -> None:
 
 def _with_unit(array: NamedArray, unit: object) -> NamedArray:
     return replace(array, attributes={**array.attributes, "unit": unit}) if isinstance(unit, str) else array
+
+
+def _named(array: NamedArray, around: Mapping[str, object]) -> NamedArray:
+    """Return a matrix with the names and units of its columns, where these are kept next to it."""
+    found: dict[str, object] = {}
+    for keys in (_NAMES, _UNITS):
+        texts = texts_of(around, keys)
+        if len(array.axes) == 2 and len(texts) in array.shape and not texts_of(array.attributes, keys):
+            found[keys[0]] = texts
+    return replace(array, attributes={**array.attributes, **found}) if found else array
 
 
 def _lift_channels(tree: dict[tuple[str, ...], Folder]) -> None:
@@ -231,6 +249,8 @@ def _same(one: NamedArray, other: NamedArray) -> bool:
 def _tables(folder: Folder, root: Folder, spelled: Callable[[tuple[str, ...]], str]) -> Iterator[FilePart]:
     """Yield the tables of a folder: its arrays of one length and clock; a matrix without vectors is one by itself."""
     arrays = [array for array in folder.arrays if len(array.axes) in {1, 2}]
+    numeric = {array.row_count for array in arrays if not array.is_text}
+    arrays = [array for array in arrays if array.row_count in numeric]
     scalars = {array.name: array.value() for array in folder.arrays if not array.axes}
     described = {**root.attributes, **folder.attributes, **scalars}
     metadata = metadata_of({key: value for key, value in described.items() if not _TECHNICAL.match(key)})

@@ -62,7 +62,11 @@ def _folder(group: Any, file: Any, is_cut_off: bool) -> Folder:
     folder = Folder((group.name,), attributes=dict(group.properties))
     channels = group.channels()
     numeric = [channel for channel in channels if channel.dtype.kind in "biufM"]
-    folder.left_out = {each.name: "it holds no real numbers" for each in channels if each not in numeric}
+    for channel in [each for each in channels if each not in numeric]:
+        if channel.dtype.kind == "O":
+            folder.arrays.append(replace(_array(channel, len(channel), file), is_text=True))
+        else:
+            folder.left_out[channel.name] = "it holds no real numbers"
     least: dict[object, int] = {}
     for channel in numeric:
         clock = channel.properties.get("wf_increment")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from datetime import timedelta
 
 import h5py
 import numpy as np
@@ -86,7 +87,7 @@ def matlab_outputs(loop: Loop) -> Written:
     )
 
 
-def hdf5(**channels: tuple[np.ndarray, dict[str, object]]) -> bytes:
+def hdf5(**channels: tuple[np.ndarray | list[str], dict[str, object]]) -> bytes:
     """Arrays by their paths, each with its attributes."""
     stream = io.BytesIO()
     with h5py.File(stream, "w") as file:
@@ -113,6 +114,21 @@ def hdf5_rate_per_channel(loop: Loop) -> Written:
         stroke=(1e3 * loop[STROKE], {"unit": "mm", **rate}),
     )  # fmt: skip
     return Written({"daq.h5": content}, chosen(loop, V, SHUNT, STROKE), given=OHM)
+
+
+def matrix_with_names_beside_it(loop: Loop) -> Written:
+    """What MATLAB's importdata returns: numbers in one matrix, the headers of its columns in a cell array."""
+    names = np.array(["Time (s)", "V wire (V)", "V shunt (V)"], dtype=object)
+    data = np.column_stack([loop[TIME], loop[V], loop[SHUNT]])
+    return Written({"A.mat": matlab(A={"data": data, "colheaders": names})}, chosen(loop, TIME, V, SHUNT), given=OHM)
+
+
+def hdf5_times_as_text(loop: Loop) -> Written:
+    """Dates as texts in one data set, the numbers in a matrix whose names are another one."""
+    stamps = [(BEGAN + timedelta(seconds=second)).strftime("%d.%m.%Y %H:%M:%S.%f") for second in loop[TIME].tolist()]
+    names = ["V wire (V)", "V shunt (V)"]
+    content = hdf5(time=(stamps, {}), data=(np.column_stack([loop[V], loop[SHUNT]]), {}), columns=(names, {}))
+    return Written({"run.h5": content}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - loop[TIME][0]}, given=OHM)
 
 
 def netcdf(loop: Loop) -> Written:
@@ -149,4 +165,5 @@ def tdms(loop: Loop) -> Written:
 LAYOUTS: tuple[Layout, ...] = (
     sheet_with_a_blank_row, two_tests_in_a_sheet, several_sheets, simulink_structure, structs_in_a_struct,
     simulink_to_file, matlab_outputs, hdf5_group_per_channel, hdf5_rate_per_channel, netcdf, tdms,
+    matrix_with_names_beside_it, hdf5_times_as_text,
 )  # fmt: skip

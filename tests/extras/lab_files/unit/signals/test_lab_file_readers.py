@@ -189,7 +189,33 @@ def test_names_units_and_channels_decide_what_is_one_table(tmp_path):
     with h5py.File(tmp_path / "b.h5", "w") as file:
         file["t"], file["data"], file["note"] = time_s, np.ones((3, 50)), "a text"
     assert list(columns_of(tmp_path / "b.h5")) == ["data 1", "data 2", "data 3", "t"]
-    assert table_of(tmp_path / "b.h5").notes == ("'note' was left out: it holds no real numbers",)
+    assert table_of(tmp_path / "b.h5").metadata == {"note": "a text"}
+
+
+def test_names_of_columns_are_found_next_to_a_matrix(tmp_path):
+    """As texts in a data set, an attribute of the group or a cell array of MATLAB, in both of its versions."""
+    data, names = np.arange(12.0).reshape(4, 3), ["t [s]", "u [V]", "f [N]"]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["data"], file["names"] = data, names
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["data"] = data
+        file.attrs["columns"] = names
+    savemat(tmp_path / "c.mat", {"data": data, "names": np.array(names, dtype=object)})
+    with h5py.File(tmp_path / "d.mat", "w", userblock_size=512) as file:
+        file["data"] = data.T
+        file["data"].attrs["MATLAB_class"] = np.bytes_("double")
+        texts = []
+        for number, name in enumerate(names):
+            file[f"#refs#/{number}"] = np.frombuffer(name.encode("utf-16-le"), "u2")[:, None]
+            file[f"#refs#/{number}"].attrs["MATLAB_class"] = np.bytes_("char")
+            texts.append(file[f"#refs#/{number}"].ref)
+        file["names"] = np.array(texts, dtype=h5py.ref_dtype)[None, :]
+        file["names"].attrs["MATLAB_class"] = np.bytes_("cell")
+    (tmp_path / "d.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(512) + (tmp_path / "d.mat").read_bytes()[512:])
+    for name in ("a.h5", "b.h5", "c.mat", "d.mat"):
+        found = columns_of(tmp_path / name)
+        assert list(found) == names
+        assert np.array_equal(np.column_stack(list(found.values())), data)
 
 
 def test_a_matrix_wider_than_high_is_read_by_what_rises_in_it(tmp_path):
