@@ -150,3 +150,28 @@ def test_more_than_a_tenth_of_a_column_alone_is_refused_with_column_and_values()
     columns["force_n"][4::8] = 8388.607
     said = judge_readings(columns, {}).contradiction
     assert said.startswith("38 of 301 rows, too many to leave them out: force_n stands alone there at 8389 N")
+
+
+def driven(name: str, late_rows: float, random: Generator) -> Recorded:
+    """Return a loop with the drive before leads of 0.1 to 1 ohm and the shunt, recorded later by some rows."""
+    found = loop(name)
+    drive_v = found["wire_voltage_v"] + (random.uniform(0.1, 1.0) + 0.47) * found["wire_current_a"]
+    noise = {key: 1e-3 * found[key].max() * random.standard_normal(301) for key in ("wire_voltage_v", "wire_current_a")}
+    late_v = np.interp(found["time_s"] - 0.2 * late_rows, found["time_s"], drive_v)
+    return {"time_s": found["time_s"], "drive_voltage_v": late_v, **{key: found[key] + noise[key] for key in noise}}
+
+
+@pytest.mark.parametrize("late_rows", [-30, -8, -1, 1, 3, 8, 40])
+def test_a_drive_that_is_recorded_late_or_early_is_named_with_its_delay(late_rows: int) -> None:
+    by = f"{abs(late_rows)} samples ({0.2 * abs(late_rows):.3g} s) {'later' if late_rows > 0 else 'earlier'} than the"
+    for seed in range(12):
+        columns = driven(LOOPS[seed % 3], late_rows, np.random.default_rng(seed))
+        judgement = judge_readings(columns, {})
+        assert judgement.usable.all()
+        assert any(f"drive_voltage_v is recorded {by}" in said for said in judgement.notes), seed
+
+
+@pytest.mark.parametrize("late_rows", [-0.5, 0.0, 0.5])
+def test_half_a_sample_is_no_delay(late_rows: float) -> None:
+    for seed in range(12):
+        assert not judge_readings(driven(LOOPS[seed % 3], late_rows, np.random.default_rng(seed)), {}).notes

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal import correlate
 
 from musclewire.arrays import FloatArray
 from musclewire.signals._columns import COLUMNS
@@ -57,7 +58,7 @@ PARTNERS = {
     "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
 }
 SAID = (LEFT_OUT, CLOCK_DOUBTED, SIGN_TURNED)
-KEPT = (*MEASURED, *MOTION, "drive_voltage_v")
+KEPT = ("time_s", *MEASURED, *MOTION, "drive_voltage_v")
 # More lone readings than this part of a column are no accidents: which of its readings are right is not known.
 MANY_ALONE = 0.1
 # An import judges files of at most so many rows, which take 100 MB; what uses a recording judges it in any case.
@@ -77,6 +78,9 @@ WIRE_RATIO = 2.0
 # Two sources of one quantity may differ by so much: shunts, leads and ranges do; and wire and shunt of the drive.
 CURRENT_FRACTION, RESISTANCE_FRACTION, NOT_COUNTED = 0.1, 0.2, 0.05
 DRIVE_LOW, DRIVE_HIGH = 1.0 / 3.0, 1.2
+# A drive is late if voltage and current leave more than this part of it open, and less than a third of that if they
+# are shifted: of three quarters of a row a quarter is left by a whole one. It shows in so many rows.
+MIN_LATE_MISFIT, LEFT_BY_SHIFT, MIN_LATE_ROWS = 0.01, 1.0 / 3.0, 20
 
 
 class UnusableRows(NamedTuple):
@@ -167,7 +171,7 @@ def judge_readings(
     for said in () if contradiction or bad.all() else contradictions(good, metadata):
         contradiction = contradiction or f"two columns contradict each other: {said}"
     notes = [str(metadata[said]) for said in SAID if said in metadata]
-    notes += [] if bad.all() else drive_doubts(good)
+    notes += [] if bad.all() else drive_doubts(mended, ~bad)
     return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
 
 
@@ -489,20 +493,56 @@ def contradictions(good: Columns, metadata: Metadata) -> Iterator[str]:
             )
 
 
-def drive_doubts(good: Columns) -> list[str]:
-    """Return that the drive is not what wire and shunt have together; of columns without unusable rows.
+def drive_doubts(columns: Columns, usable: Rows) -> list[str]:
+    """Return that the drive is not what wire and shunt have together, or not when they have it.
 
     Such a drive spoils no reading: the voltages that were measured are used.
     """
-    if not {"wire_voltage_v", "drive_voltage_v"} <= good.keys() or not good["drive_voltage_v"].max() > 0.0:
+    if not {"wire_voltage_v", "drive_voltage_v"} <= columns.keys() or not columns["drive_voltage_v"].max() > 0.0:
         return []
-    drive_v = good["drive_voltage_v"]
-    inner_v = good["wire_voltage_v"] + good.get("shunt_voltage_v", 0.0 * drive_v)
-    high = drive_v > 0.5 * drive_v.max()
-    ratio = float(np.median(inner_v[high] / drive_v[high]))
-    if DRIVE_LOW <= ratio <= DRIVE_HIGH:
-        return []
-    return [f"wire and shunt together have {ratio:.3g} times drive_voltage_v: check units and channels"]
+    drive_v, doubts = columns["drive_voltage_v"], list[str]()
+    inner_v = columns["wire_voltage_v"] + columns.get("shunt_voltage_v", 0.0 * drive_v)
+    high = usable & (drive_v > 0.5 * drive_v[usable].max())
+    ratio = float(np.median(inner_v[high] / drive_v[high])) if high.any() else 1.0
+    if not DRIVE_LOW <= ratio <= DRIVE_HIGH:
+        doubts.append(f"wire and shunt together have {ratio:.3g} times drive_voltage_v: check units and channels")
+    through = [columns[name] for name in _ELECTRICAL if name in columns]
+    if through and (late := rows_late(drive_v, np.stack([columns["wire_voltage_v"], *through], axis=1))):
+        period_s = float(np.median(np.diff(columns["time_s"]))) if "time_s" in columns else 0.0
+        by = f"{abs(late)} samples" + (f" ({abs(late) * period_s:.3g} s)" if period_s else "")
+        doubts.append(
+            f"drive_voltage_v is recorded {by} {'later' if late > 0 else 'earlier'} than the voltages that follow from "
+            "it: shift the column by its delay, or record both with one clock"
+        )
+    return doubts
+
+
+def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
+    """Return by how many rows a drive is later than voltage and current, 0 if that is not plain; half a row is none."""
+    count, off = drive_v.size, misfit(drive_v, readings, 0)
+    if count < MIN_LATE_ROWS or off < MIN_LATE_MISFIT:
+        return 0
+    found, most = correlate(drive_v - drive_v.mean(), readings[:, 0] - readings[:, 0].mean(), method="fft"), count // 4
+    late, step = int(np.argmax(found[count - 1 - most : count + most])) - most, most // 4
+    # The products of slow courses favour a long overlap: from their largest on the course itself decides.
+    while step:
+        nearest = min((late, late - step, late + step), key=lambda rows: misfit(drive_v, readings, rows))
+        late, step = nearest, step if nearest != late else step // 2
+    return late if misfit(drive_v, readings, late) < LEFT_BY_SHIFT * off else 0
+
+
+def misfit(drive_v: FloatArray, readings: FloatArray, late: int) -> float:
+    """Return which part of a drive voltage and current, so many rows earlier, do not explain; all if half is cut off.
+
+    Of both together: what leads and shunt take follows the current.
+    """
+    count = drive_v.size - abs(late)
+    one, others = (drive_v[late:], readings[:count]) if late >= 0 else (drive_v[:count], readings[-late:])
+    if 2 * count < drive_v.size or one.var() * count <= 0.5 * drive_v.var() * drive_v.size:
+        return 1.0
+    centred, others = one - one.mean(), others - others.mean(axis=0)
+    rest = centred - others @ np.linalg.lstsq(others, centred, rcond=None)[0]
+    return float(np.sqrt(rest @ rest / (centred @ centred)))
 
 
 class ReadingsOfBlocks:
