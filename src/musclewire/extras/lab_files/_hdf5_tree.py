@@ -55,19 +55,11 @@ def hdf5_folders(path: Path, what: str = "HDF5") -> list[Folder]:
         if len(items) > MAX_OBJECTS:
             raise RecordingError(f"{path}: holds more than {MAX_OBJECTS} data sets; export a part of it")
         tree: dict[tuple[str, ...], Folder] = {(): Folder((), attributes=_attributes(file))}
-        frames: set[tuple[str, ...]] = set()
         for place, item in items:
-            # What MATLAB's references point to, and PyTables' indices.
-            if any(name.startswith(("#", "_i_")) for name in place) or not frames.isdisjoint(
-                place[:end] for end in range(len(place))
-            ):
-                continue
             if isinstance(item, h5py.Dataset):
                 _add(tree, place, item, path)
             elif "pandas_type" in item.attrs:
-                frames.add(place)
-                members = {names[-1]: each for names, each in items if names[:-1] == place and hasattr(each, "dtype")}
-                tree[place] = _frame(place, item, members, path)
+                tree[place] = _frame(place, item, {name: each for (name, *_), each in _items(item, (), set())}, path)
             else:
                 tree[place] = Folder(place, attributes=_attributes(item))
         return list(tree.values())
@@ -78,14 +70,16 @@ def _items(group: Any, place: tuple[str, ...], seen: set[int]) -> Iterator[tuple
     import h5py
 
     for name in group:
-        if isinstance(group.get(name, getlink=True), h5py.HardLink):
-            item = group[name]
-            address = h5py.h5o.get_info(item.id).addr
-            if address not in seen:
-                seen.add(address)
-                yield (*place, name), item
-                if isinstance(item, h5py.Group) and len(place) < MAX_DEPTH:
-                    yield from _items(item, (*place, name), seen)
+        # What MATLAB's references point to, and PyTables' indices, are no data.
+        if name.startswith(("#", "_i_")) or not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            continue
+        item = group[name]
+        address = h5py.h5o.get_info(item.id).addr
+        if address not in seen:
+            seen.add(address)
+            yield (*place, name), item
+            if isinstance(item, h5py.Group) and "pandas_type" not in item.attrs and len(place) < MAX_DEPTH:
+                yield from _items(item, (*place, name), seen)
 
 
 def _attributes(item: Any) -> dict[str, object]:

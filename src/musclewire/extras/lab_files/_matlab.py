@@ -42,7 +42,8 @@ _CURES = {
     "function_handle": "it holds no numbers; save the vectors themselves",
 }
 _OBJECT_CURE = (
-    "only MATLAB can read it; save columns: S = table2struct(timetable2table(T), 'ToScalar', true), times by seconds()"
+    "only MATLAB can read it; save columns: t = ts.Time; x = ts.Data; of a timeseries, or of a timetable "
+    "S = table2struct(timetable2table(T), 'ToScalar', true), times by seconds()"
 )
 
 

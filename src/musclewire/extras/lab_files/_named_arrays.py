@@ -322,7 +322,8 @@ def _dated(array: NamedArray) -> NamedArray:
 
     def read(index: tuple[int | slice, ...]) -> Any:
         nanoseconds = (np.asarray(array.read(index), dtype=np.float64) * unit_s + after_s) * 1e9
-        return began + nanoseconds.astype("timedelta64[ns]")
+        with np.errstate(invalid="ignore"):  # NaN becomes no time
+            return began + nanoseconds.astype("timedelta64[ns]")
 
     return replace(array, read=read, is_time=True, attributes={**array.attributes, "zone": "+00:00"})
 
