@@ -104,8 +104,9 @@ def jumps_in(values: FloatArray) -> Rows:
         far = max(far, STEPS * float(np.quantile(steps[steps > 1e-12 * np.abs(values).max()], 0.1)))
     for part in np.split(rows, range(CHUNK, rows.size, CHUNK)):
         around = values[np.clip(part - NEAREST, 0, count - width)[:, None] + np.arange(width)]
-        std = STD_OF_DIFFERENCES * np.median(np.abs(np.diff(around, axis=1)), axis=1)
-        low, high = np.partition(around, (TRIMMED, width - 1 - TRIMMED), axis=1)[:, [TRIMMED, width - 1 - TRIMMED]].T
+        std = STD_OF_DIFFERENCES * np.partition(np.abs(np.diff(around, axis=1)), NEAREST, axis=1)[:, NEAREST]
+        around.partition((TRIMMED, width - 1 - TRIMMED), axis=1)
+        low, high = around[:, TRIMMED], around[:, width - 1 - TRIMMED]
         off = np.maximum(low - values[part], values[part] - high)
         alone[part] = off > np.maximum(np.maximum(high - low, NOISES * std), far)
     while True:

@@ -79,8 +79,9 @@ WIRE_RATIO = 2.0
 CURRENT_FRACTION, RESISTANCE_FRACTION, NOT_COUNTED = 0.1, 0.2, 0.05
 DRIVE_LOW, DRIVE_HIGH = 1.0 / 3.0, 1.2
 # A drive is late if voltage and current leave more than this part of it open, and less than a third of that if they
-# are shifted: of three quarters of a row a quarter is left by a whole one. It shows in so many rows.
-MIN_LATE_MISFIT, LEFT_BY_SHIFT, MIN_LATE_ROWS = 0.01, 1.0 / 3.0, 20
+# are shifted: of three quarters of a row a quarter is left by a whole one. At most so much
+# is noise. It shows in so many rows, and is looked for in so many, evenly apart.
+MIN_LATE_MISFIT, LEFT_BY_SHIFT, MAX_LEFT, MIN_LATE_ROWS, MAX_LATE_ROWS = 0.01, 1.0 / 3.0, 0.1, 20, 50_000
 
 
 class UnusableRows(NamedTuple):
@@ -519,6 +520,8 @@ def drive_doubts(columns: Columns, usable: Rows) -> list[str]:
 
 def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
     """Return by how many rows a drive is later than voltage and current, 0 if that is not plain; half a row is none."""
+    every = -(-drive_v.size // MAX_LATE_ROWS)
+    drive_v, readings = drive_v[::every], readings[::every]
     count, off = drive_v.size, misfit(drive_v, readings, 0)
     if count < MIN_LATE_ROWS or off < MIN_LATE_MISFIT:
         return 0
@@ -528,7 +531,8 @@ def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
     while step:
         nearest = min((late, late - step, late + step), key=lambda rows: misfit(drive_v, readings, rows))
         late, step = nearest, step if nearest != late else step // 2
-    return late if misfit(drive_v, readings, late) < LEFT_BY_SHIFT * off else 0
+    left = misfit(drive_v, readings, late)
+    return every * late if left < min(LEFT_BY_SHIFT * off, MAX_LEFT) else 0
 
 
 def misfit(drive_v: FloatArray, readings: FloatArray, late: int) -> float:
