@@ -145,8 +145,9 @@ def test_what_was_seen_in_a_refused_file_stands_before_the_refusal_and_the_comma
     rows = np.column_stack([loop[name] for name in names])
     np.savetxt("mine.csv", rows, delimiter=",", header=f"{clock},a [V],b [V],Laser [m]", comments="")
     words = [str(model) if word == "MODEL" else word.replace("FILE", "mine.csv") for word in command.split()]
-    refused = musclewire(*words, "--leg-length", "70 mm")
-    seen = musclewire("import", "mine.csv", "--leg-length", "70 mm").out
+    given = ("--leg-length", "70 mm", "--shunt", "1 ohm")
+    refused = musclewire(*words, *given)
+    seen = musclewire("import", "mine.csv", *given).out
     *said, last = refused.err.splitlines()
     assert (refused.code, refused.out) == (2, "")
     assert last.startswith("musclewire: ")

@@ -15,6 +15,8 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 from tests.labs.loops import Array, Loop
 
+# What a person knows and no file of a scope states.
+OF_A_SHUNT = ("--shunt", "0.47 ohm")
 BEGAN = datetime(2026, 2, 17, 12, 21, 0, tzinfo=UTC)
 V, AMP, R, STROKE = "wire_voltage_v", "wire_current_a", "wire_resistance_ohm", "displacement_m"
 SHUNT, FORCE, TIME = "shunt_voltage_v", "force_n", "time_s"
@@ -55,12 +57,12 @@ def chosen(loop: Loop, *names: str) -> dict[str, Array]:
 def keysight_scope(loop: Loop) -> Written:
     rows = numbers(loop[TIME] - 30.0, loop[V], loop[SHUNT], form="%+.9E")
     text = lines([("x-axis", 1, 2), ("second", "Volt", "Volt"), *rows])
-    return Written({"scope_0.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line")
+    return Written({"scope_0.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line", given=OF_A_SHUNT)
 
 
 def keysight_scope_by_number(loop: Loop) -> Written:
     columns = ("-c", f"{V}=#2:V", "-c", f"{SHUNT}=#3:V")
-    return Written(keysight_scope(loop).files, chosen(loop, V, SHUNT), "line", given=columns)
+    return Written(keysight_scope(loop).files, chosen(loop, V, SHUNT), given=(*columns, *OF_A_SHUNT))
 
 
 def rigol_scope(loop: Loop) -> Written:
@@ -70,14 +72,18 @@ def rigol_scope(loop: Loop) -> Written:
         ("Sequence", "VOLT", "VOLT", "-3.000000e+01", f"{period_of(loop):.6e}"),
     ]
     text = lines([*head, *rows])
-    return Written({"NewFile1.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line")
+    return Written(
+        {"NewFile1.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line", given=OF_A_SHUNT
+    )
 
 
 def rigol_scope_of_today(loop: Loop) -> Written:
     rows = [[*row, "", ""] for row in numbers(loop[V], loop[SHUNT], form="%.5e")]
     head = ("CH1(V)", "CH2(V)", "t0 =-3.000000e+01", f" tInc = {period_of(loop):.6e}", "")
     text = lines([head, *rows])
-    return Written({"RigolDS0.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line")
+    return Written(
+        {"RigolDS0.csv": text}, {**chosen(loop, V, SHUNT), TIME: loop[TIME] - 30.0}, "line", given=OF_A_SHUNT
+    )
 
 
 def _tektronix(loop: Loop, channel: str, name: str) -> str:
@@ -114,7 +120,7 @@ def tektronix_scope_of_today(loop: Loop) -> Written:
         ("", "", ""), ("", "", ""), ("Label", "", "", ""), ("TIME", "CH1", "CH2"),
     ]  # fmt: skip
     text = lines([*head, *numbers(loop[TIME] - 30.0, loop[V], loop[SHUNT])])
-    return Written({"Tek000.csv": text}, {TIME: loop[TIME] - 30.0, **chosen(loop, V, SHUNT)}, "line")
+    return Written({"Tek000.csv": text}, {TIME: loop[TIME] - 30.0, **chosen(loop, V, SHUNT)}, "line", given=OF_A_SHUNT)
 
 
 def siglent_scope(loop: Loop) -> Written:
@@ -127,7 +133,9 @@ def siglent_scope(loop: Loop) -> Written:
         ("Software Version", "8.2.6.1.37R9"), ("Source", "CH1", "CH2"), ("Second", "Volt", "Volt"),
     ]  # fmt: skip
     text = lines([*head, *numbers(loop[TIME] - 30.0, loop[V], loop[SHUNT])])
-    return Written({"SDS00001.csv": text}, {TIME: loop[TIME] - 30.0, **chosen(loop, V, SHUNT)}, "line")
+    return Written(
+        {"SDS00001.csv": text}, {TIME: loop[TIME] - 30.0, **chosen(loop, V, SHUNT)}, "line", given=OF_A_SHUNT
+    )
 
 
 # Meters, source meters and loggers.
@@ -294,7 +302,7 @@ def stamps_of_batches(loop: Loop) -> Written:
     stamps = loop[TIME][np.arange(loop[TIME].size) // 20 * 20]
     rows = numbers(stamps, loop[V], 1e3 * loop[SHUNT], 1e3 * loop[STROKE])
     text = lines([("Time (s)", "V_wire (V)", "V_shunt (mV)", "Laser (mm)"), *rows])
-    return Written({"batch.csv": text}, chosen(loop, TIME, V, SHUNT, STROKE), "line")
+    return Written({"batch.csv": text}, chosen(loop, TIME, V, SHUNT, STROKE), "line", given=OF_A_SHUNT)
 
 
 def polled_too_fast(loop: Loop) -> Written:

@@ -256,6 +256,7 @@ MATLAB_VERSION = option(
 )
 IGNORE = option("--ignore", help="Leave out a column, by its header or as #3. Repeatable.", metavar="COLUMN")
 DROP_MISSING = option("--drop-missing", help="Leave out rows in which a used column has no number.")
+TRUST_MAPPING = option("--trust-mapping", help="Let units of --column hold against others that the file states.")
 JOIN = option(
     "--join",
     help="Join two files of loggers with different clocks by this column, or by one of each: FIRST=SECOND. "

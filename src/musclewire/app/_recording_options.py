@@ -18,6 +18,7 @@ from musclewire.app._options import (
     MAPPING,
     SAMPLE_PERIOD,
     SHUNT,
+    TRUST_MAPPING,
     ZERO,
     in_si,
     mapping,
@@ -43,6 +44,7 @@ class ReadingOptions:
     sample_period: Annotated[str | None, SAMPLE_PERIOD] = None
     ignore: Annotated[list[str] | None, IGNORE] = None
     drop_missing: Annotated[bool, DROP_MISSING] = False
+    trust_mapping: Annotated[bool, TRUST_MAPPING] = False
     mapping: Annotated[Path | None, MAPPING] = None
     group: Annotated[str | None, GROUP] = None
     typed: tuple[str, ...] = ()
@@ -71,6 +73,7 @@ class ReadingOptions:
             self.invert,
             self.metadata(),
             group=self.group,
+            trust_mapping=self.trust_mapping,
         )
         return options if self.mapping is None else load_mapping(self.mapping).joined(options)
 
@@ -121,19 +124,14 @@ class ReadingOptions:
         """Return the command that reads a file: the one that was typed, if it does so ``itself``, or import."""
         if proposal is None:
             return []
-        from musclewire.signals import EXAMPLE_PERIOD_S, EXAMPLE_SHUNT, load_mapping
+        from musclewire.signals import load_mapping
 
         remembered = [] if self.mapping is None else as_options(load_mapping(self.mapping))
         added = [option for option in as_options(proposal) if option not in remembered]
         named = [] if self.mapping is None else [("--mapping", str(self.mapping))]
         command = self.typed if itself else ("musclewire", "import", path)
         words = [*command, *(word for option in (*named, *added) for word in option)]
-        examples = []
-        if proposal.sample_period_s == EXAMPLE_PERIOD_S:
-            examples.append(f"  ({EXAMPLE_PERIOD_S:g} s is an example: give the time between two of your rows)")
-        if proposal.metadata.items() >= EXAMPLE_SHUNT.metadata.items():
-            examples.append("  (a shunt of 1 ohm is an example: give the resistance of yours)")
-        return [f"  try: {shlex.join(words)}", *examples]
+        return [f"  try: {shlex.join(words)}"]
 
 
 def as_options(mapping: ImportMapping) -> list[tuple[str, ...]]:
@@ -145,7 +143,9 @@ def as_options(mapping: ImportMapping) -> list[tuple[str, ...]]:
     if mapping.group is not None:
         options.append(("--group", mapping.group))
     options += [
-        (f"--{name.replace('_', '-')}",) for name in ("drop_missing", "zero", "invert") if getattr(mapping, name)
+        (f"--{name.replace('_', '-')}",)
+        for name in ("drop_missing", "zero", "invert", "trust_mapping")
+        if getattr(mapping, name)
     ]
     known = {"shunt_resistance_ohm": ("--shunt", "ohm"), "leg_length_m": ("--leg-length", "m")}
     options += [(known[key][0], f"{value} {known[key][1]}") for key, value in mapping.metadata.items() if key in known]

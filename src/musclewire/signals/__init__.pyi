@@ -36,8 +36,6 @@ from ._import_mapping import CurableError as CurableError
 from ._import_mapping import ImportMapping as ImportMapping
 from ._import_mapping import load_mapping as load_mapping
 from ._import_mapping import save_mapping as save_mapping
-from ._importing import EXAMPLE_PERIOD_S as EXAMPLE_PERIOD_S
-from ._importing import EXAMPLE_SHUNT as EXAMPLE_SHUNT
 from ._joining import JoinedRecordings as JoinedRecordings
 from ._joining import join_recordings as join_recordings
 from ._journal import JOURNAL_SUFFIX as JOURNAL_SUFFIX

@@ -33,8 +33,9 @@ _MAX_EXCEL_STEP_D = 1.0 / 24.0
 # What counters of programs wrap at: an unsigned integer of 16 or 32 bits.
 _WRAPS = (2.0**16, 2.0**32)
 _DAY_S, _HOUR_S = 86_400.0, 3600.0
-# After a wrap a clock goes on: its step is at most so many of the usual ones.
-_MAX_STEPS_OVER_A_WRAP = 20.0
+# Over a wrap a counter goes on by its usual step within a half; a clock of text by at most so many.
+_STEP_OVER_A_WRAP = (0.5, 1.5)
+_MAX_STEPS_OVER_AN_HOUR = 20.0
 # No wire goes through a loop in less: the thinnest lose their heat in tens of milliseconds (20 rows or more).
 MIN_DURATION_S, _MIN_ROWS = 1e-3, 20
 # Where no unit is stated, that one is offered in which a loop lasts so long, with rows so far apart.
@@ -151,12 +152,9 @@ class ClockReader:
 
     def _period_of(self, step_s: float) -> float:
         """Return after which time a clock began again that fell by a step, 0.0 if it did not just go on."""
-        longest_s = _MAX_STEPS_OVER_A_WRAP * self.clock.step_s
-        for period_s in self.clock.wraps_s:
-            day = self.clock.is_text and period_s >= _DAY_S
-            if 0.0 < step_s + period_s <= (period_s / 2.0 if day else longest_s):
-                return period_s
-        return 0.0
+        low, high = (0.0, _MAX_STEPS_OVER_AN_HOUR) if self.clock.is_text else _STEP_OVER_A_WRAP
+        steps_s = (low * self.clock.step_s, high * self.clock.step_s)
+        return next((each for each in self.clock.wraps_s if steps_s[0] < step_s + each <= steps_s[1]), 0.0)
 
     def _why(self, period_s: float) -> str:
         if not self.clock.is_text:
@@ -254,6 +252,8 @@ def _numeric_clock(
     name, stated = names[index]
     named = is_time_name(name)
     unit = given if given is not None else stated
+    # A dash in a row of units says that there is none.
+    unit = None if unit is not None and scale_between(unit, "") == 1.0 else unit
     if unit is None and named and len(name) > 1 and measures(name, "time_s"):
         # "Seconds" and "ms" are name and unit at once.
         unit = name
@@ -355,9 +355,10 @@ def _near_a_wrap(values: FloatArray) -> bool:
     steps = np.diff(values)
     usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
     falls = steps[steps < 0.0]
-    return any(
-        any(0.0 < fall + bound <= _MAX_STEPS_OVER_A_WRAP * usual for fall in falls.tolist()) for bound in _WRAPS
-    ) or any(float(values.max()) >= 0.5 * bound for bound in _WRAPS if values.max() < bound)
+    low, high = _STEP_OVER_A_WRAP
+    return any(any(low * usual < fall + bound <= high * usual for fall in falls.tolist()) for bound in _WRAPS) or any(
+        float(values.max()) >= 0.5 * bound for bound in _WRAPS if values.max() < bound
+    )
 
 
 def _text_clock(
@@ -458,12 +459,12 @@ def _scale_of_fraction(cells: FloatArray, whole_s: FloatArray) -> float | None:
     scale = next((scale for bound, scale in _FRACTIONS if cells.max() < bound), None)
     if scale is None or (scale < 1.0 and (cells % 1.0 != 0.0).any()):
         return None
-    falls = np.diff(cells) < 0.0
-    goes_on = np.diff(whole_s) > 0.0
-    rises_together = (np.diff(whole_s + scale * cells) > 0.0).mean() >= _RISING
-    return (
-        scale if falls.any() and not (falls & ~goes_on & (np.diff(whole_s) == 0.0)).any() and rises_together else None
-    )
+    falls, alone, together = np.diff(cells) < 0.0, np.diff(whole_s), np.diff(whole_s + scale * cells)
+    if not falls.any() or (falls & (alone == 0.0)).any() or (together > 0.0).mean() < _RISING:
+        return None
+    # Without it the clock stands still, or its steps are less even.
+    is_needed = (alone == 0.0).any() or float(np.ptp(together)) < 0.5 * float(np.ptp(alone))
+    return scale if is_needed else None
 
 
 def impossible(clock: Clock, row_count: int, lasted_s: float, path: str) -> str:

@@ -248,7 +248,7 @@ def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str, 
     if unit is not None and scale is not None:
         return MatchedHeader(column.header, index, name, unit, True, scale.factor, scale.offset, "mapped")
     if unit is not None and stated and not trust_mapping:
-        _require_same(unit, stated, column.header, name, path)
+        require_same(unit, stated, column.header, name, path)
     unit = stated if unit is None else unit
     if unit is None and ours.unit:
         raise RecordingError(
@@ -257,7 +257,7 @@ def _mapped(name: str, wanted: str, columns: Sequence[SourceColumn], path: str, 
     return _taken(column.header, index, ours, unit, "mapped", path)
 
 
-def _require_same(unit: str, stated: str, header: str, name: str, path: str) -> None:
+def require_same(unit: str, stated: str, header: str, name: str, path: str) -> None:
     """Raise RecordingError if a mapping gives another unit than the file states."""
     if not measures(unit, name) or (is_unit(stated) and scale_between(unit, stated) != 1.0):
         other = f"give the sensor's scale, as {name}={header}:0.5 {COLUMNS[name].unit}/{stated}"

@@ -36,6 +36,7 @@ from musclewire.signals._headers import (
     missing_from,
     name_and_unit,
     numbered_headers,
+    require_same,
     split_header,
 )
 from musclewire.signals._import_mapping import CurableError, ImportMapping
@@ -53,7 +54,7 @@ from musclewire.signals._source_table import (
     rows_in,
     stated_start_s,
 )
-from musclewire.signals._units import beyond, largest_in
+from musclewire.signals._units import beyond, largest_in, scale_to_si
 from musclewire.signals._unusable_readings import (
     CLOCK_DOUBTED,
     LEFT_OUT,
@@ -77,15 +78,14 @@ _OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current
 _ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
 _CURRENT = frozenset({"wire_current_a", "wire_resistance_ohm"})
 _MAX_STEPS = 1000
-# An example of the time between rows, which only a person can know if the file does not state it.
-EXAMPLE_PERIOD_S = 1.0
-# And of a shunt whose voltage is a file's only current.
-EXAMPLE_SHUNT = ImportMapping(metadata={"shunt_resistance_ohm": 1.0})
 # Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
 _MIN_ROWS_OF_POLLING = 20
 _MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
 _STEPS_OF_A_MEASUREMENT = 20.0
 _MAX_RUN_OF_REPEATS = 5
+# Below headers that stand once more a test goes on if its clock does, by so many of its usual steps.
+_STEPS_OVER_HEADERS = 3.0
+_MAX_BEYOND = 0.05
 _RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
 SHUNT_NEEDED = "nothing states the shunt's resistance, which converting the file needs"
 NO_SHUNT = (
@@ -253,9 +253,13 @@ def _clock_of(table: SourceTable, mapping: ImportMapping) -> tuple[Clock | None,
     if mapped is not None and mapped[0] in left_out:
         header = columns[mapped[0]].header
         raise RecordingError(f"{path}: column '{header}' is both mapped to time_s and taken or ignored; choose one")
+    names = [name_and_unit(column) for column in columns]
+    if mapped is not None and mapped[1] and not mapping.trust_mapping and not columns[mapped[0]].is_text:
+        stated = names[mapped[0]][1]
+        if stated and scale_to_si(mapped[1], "time_s", None, path) is None:
+            require_same(mapped[1], stated, columns[mapped[0]].header, "time_s", path)
     head = heads_of(table)
     period_s = mapping.sample_period_s or next(iter(table.stated_periods_s.values()), None)
-    names = [name_and_unit(column) for column in columns]
     found = find_clock(columns, head, names, period_s, path, mapped, left_out)
     if isinstance(found, NoClock):
         return None, None if mapping.sample_period_s is not None else found
@@ -366,7 +370,7 @@ class _BlockReader:
             columns = {"time_s": counted, **columns}
         self._rows += keep.size
         if "time_s" in columns and self._plan.test is not None:
-            columns, rows = self._of_the_test(columns, rows)
+            columns, rows = self._of_the_test(columns, rows, block)
         if "time_s" in columns:
             self._check_clock_rises(columns["time_s"], block, rows)
             if columns["time_s"].size:
@@ -397,7 +401,13 @@ class _BlockReader:
         # A recording of musclewire's own keeps its rows; what uses it judges them.
         of_others = [pair for pair in zip(self._plan.match.taken, numbered, strict=True) if pair[0].how != "own name"]
         for item, values in of_others:
-            if (marked := keep & np.isfinite(values) & is_overload(values)).any():
+            marked = keep & np.isfinite(values) & is_overload(values)
+            if item.column != "time_s":
+                # A few readings beyond what any bench has are an instrument's mark, too; many are a wrong unit.
+                with np.errstate(invalid="ignore"):
+                    beyond_all = np.abs(item.conversion.apply(values)) > largest_in(COLUMNS[item.column].unit)
+                marked |= keep & beyond_all & bool(beyond_all.mean() <= _MAX_BEYOND)
+            if marked.any():
                 counts = self._tally.overloads
                 counts[item.column] = counts.get(item.column, 0) + int(marked.sum())
                 keep &= ~marked
@@ -429,12 +439,13 @@ class _BlockReader:
         return ~repeated
 
     def _of_the_test(
-        self, columns: dict[str, FloatArray], rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+        self, columns: dict[str, FloatArray], rows: np.ndarray[tuple[int], np.dtype[np.intp]], block: RowBlock
     ) -> tuple[dict[str, FloatArray], np.ndarray[tuple[int], np.dtype[np.intp]]]:
         """Return the rows of the test that was chosen; with each that begins, the clock begins again."""
         time_s = columns["time_s"]
         before = np.concatenate(([self._last_time_s], time_s[:-1]))
-        numbers = self._test + np.cumsum(begins_again(before, time_s))
+        headed, counts = _first_of(rows, block.again), self._plan.clock is None
+        numbers = self._test + np.cumsum(begins_again(before, time_s, headed, counts))
         if time_s.size:
             self._test, last_s = int(numbers[-1]), float(time_s[-1])
             keep = numbers == self._plan.test
@@ -503,13 +514,14 @@ class _BlockReader:
         self, time_s: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
     ) -> None:
         before = np.concatenate(([self._last_time_s], time_s[:-1]))
-        stuck = time_s <= before
+        begins = begins_again(before, time_s, _first_of(rows, block.again), self._plan.clock is None)
+        stuck = (time_s <= before) | (begins & (self._plan.test is None))
         if stuck.any():
             row = int(np.argmax(stuck))
             where = f"{self._path}: {block.place(int(rows[row]))}, column time_s: the clock does not rise, "
             where += f"{float(before[row])!r} s is followed by {float(time_s[row])!r} s"
             self._refuse_batches(where)
-            self._refuse_several_tests(where, bool(begins_again(before, time_s)[row]))
+            self._refuse_several_tests(where, bool(begins[row]))
             raise RecordingError(f"{where}; correct the clock there or cut the file")
         if time_s.size:
             self._last_time_s = float(time_s[-1])
@@ -535,17 +547,23 @@ class _BlockReader:
         listed = "; ".join(f"'test {n}' ({t.rows} rows, {t.first:g} to {t.last:g})" for n, t in enumerate(tests[:8], 1))
         more = f"; and {len(tests) - 8} more" if len(tests) > 8 else ""
         group = self._plan.mapping.group
+        longest = 1 + max(range(len(tests)), key=lambda number: tests[number].rows)
         message = (
             f"{where}: {len(tests)} tests are below each other: choose one with "
             + argument("group", "NAME")
             + f": {listed}{more}"
         )
-        raise CurableError(message, ImportMapping(group="test 1" if group is None else f"{group}, test 1"))
+        raise CurableError(
+            message, ImportMapping(group=f"test {longest}" if group is None else f"{group}, test {longest}")
+        )
 
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Return columns with those of sensors turned around and counted from the first row, if asked for."""
         if self._tally.turned is None:
-            others = {item.column: columns[item.column] for item in self._plan.match.taken if item.how != "own name"}
+            # Whoever writes our names exactly, writes what we would.
+            others = {
+                item.column: columns[item.column] for item in self._plan.match.taken if item.header != item.column
+            }
             self._tally.turned = turned_columns(others)
         columns |= {name: -columns[name] for name in self._tally.turned}
         if self._plan.mapping.invert:
@@ -568,22 +586,44 @@ class TestBelow(NamedTuple):
 def tests_below_each_other(plan: ImportPlan) -> list[TestBelow]:
     """Return the tests in a table, of which each begins where the clock begins again."""
     clock = plan.clock
+    blocks = [block for block in plan.table.blocks([] if clock is None else clock.all_indices) if not block.is_end]
     if clock is None:
-        return []
-    reader = ClockReader(clock, plan.table.path)
-    found = [
-        reader.seconds(block.values, block.place) for block in plan.table.blocks(clock.all_indices) if not block.is_end
-    ]
-    written = np.concatenate(found)
-    times = written[np.isfinite(written)]
-    starts = [0, *np.flatnonzero(begins_again(times[:-1], times[1:]) > 0) + 1, times.size]
+        written = (plan.sample_period_s or 1.0) * np.arange(float(sum(block.row_count for block in blocks)))
+    else:
+        reader = ClockReader(clock, plan.table.path)
+        written = np.concatenate([reader.seconds(block.values, block.place) for block in blocks])
+    offsets = np.cumsum([0, *(block.row_count for block in blocks)])
+    again = [row + offset for block, offset in zip(blocks, offsets.tolist(), strict=False) for row in block.again]
+    rows = np.flatnonzero(np.isfinite(written))
+    times = written[rows]
+    begins = begins_again(times[:-1], times[1:], _first_of(rows, again)[1:], clock is None)
+    starts = [0, *np.flatnonzero(begins) + 1, times.size]
     return [TestBelow(int(b - a), float(times[a]), float(times[b - 1])) for a, b in itertools.pairwise(starts)]
 
 
-def begins_again(before: FloatArray, times: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Return where a clock falls and goes on from there; a single time that is too small is damage."""
+def begins_again(
+    before: FloatArray, times: FloatArray, headed: np.ndarray[tuple[int], np.dtype[np.bool_]], counts: bool = False
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return where a test begins: a clock falls and goes on from there, or does not just go on below new headers.
+
+    A single time that is too small is damage. ``headed`` are the rows above which the headers stand once more; a clock
+    that only ``counts`` rows does not show whether a test went on there.
+    """
     after = np.concatenate((times[1:], times[-1:]))
-    return (times < before) & (after < before)
+    steps = times - before
+    rising = steps[np.isfinite(steps) & (steps > 0.0)]
+    goes_on = (steps > 0.0) & (steps <= _STEPS_OVER_HEADERS * (float(np.median(rising)) if rising.size else 0.0))
+    return ((times < before) & (after < before)) | (headed & np.isfinite(before) & (counts | ~goes_on))
+
+
+def _first_of(
+    rows: np.ndarray[tuple[int], np.dtype[np.intp]], again: Sequence[int]
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return which of some rows are the first at or after some places."""
+    found = np.zeros(rows.size, dtype=np.bool_)
+    places = np.searchsorted(rows, np.asarray(again, dtype=np.intp))
+    found[places[places < rows.size]] = True
+    return found
 
 
 def is_polled(measured: FloatArray) -> bool:
@@ -674,7 +714,7 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     listed += ", ..." if len(headers) > 12 else ""
     if not found - _COUNTERS and (plan.match.ignored or not found):
         what = "only the time" if found else "nothing"
-        measured = [column.header for column in plan.table.columns if not column.is_text]
+        measured = [column.header for column in plan.table.columns if not column.is_text and not column.is_empty]
         example = next((name for name in measured if not is_time_name(split_header(name)[0])), "HEADER")
         return (
             f"{path}: {what} is usable of {listed}: map what was measured, with its unit, as wire_voltage_v={example}:V"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 # Words for "no number" in lower case: blank, not available, overload of a meter, nothing, infinite.
 _NO_NUMBER = frozenset({
@@ -17,11 +17,16 @@ _NO_NUMBER = frozenset({
 _SIGNS = re.compile(r"[-+*?.–—#]+|[+-]?(?:inf(?:inity)?|1\.#(?:inf|ind)\w*|\d(?:\.\d+)?e\+?[3-9]\d\d)", re.IGNORECASE)
 
 _SPACES = " \u00a0\u202f\u2009'’"
-_NUMERIC = re.compile(rf"[+\-−]?[ ]*(?:\d[\d.,{_SPACES}]*|[.,]\d+)(?:[eEdD][+\-−]?\d+)?", re.IGNORECASE)
+_NUMERIC = re.compile(
+    rf"[+\-−]?[ ]*(?:\d{{1,3}}(?:[{_SPACES}]\d{{3}})+(?:[.,]\d*)?|\d(?:[\d.,]*\d)?\.?|[.,]\d+)(?:[eEdD][+\-−]?\d+)?",
+    re.IGNORECASE,
+)
 # Groups of three digits, with a sign between them, and then a decimal sign: only this shows thousands for certain.
 _POINT_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:\.\d{3})+,\d+|[+\-]?\d{1,3}(?:\.\d{3}){2,}")
 _COMMA_THOUSANDS = re.compile(r"[+\-]?\d{1,3}(?:,\d{3})+\.\d+|[+\-]?\d{1,3}(?:,\d{3}){2,}")
 _SPACE_THOUSANDS = re.compile(rf"[+\-]?\d{{1,3}}(?:[{_SPACES}]\d{{3}})+(?:[.,]\d+)?")
+# A point that is no sign between thousands.
+_POINT = re.compile(r"\d{4,}\.|\.(?!\d{3}(?!\d))|(?<!\d)0*\.")
 _GROUPS = {sign: re.compile(rf"[+\-]?\d{{1,3}}(?:[{re.escape(sign)}]\d{{3}})+(?!\d)") for sign in (".", ",", _SPACES)}
 _QUANTITY = re.compile(rf"({_NUMERIC.pattern})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω][^\s\d]{{0,4}})", re.IGNORECASE)
 
@@ -46,10 +51,16 @@ def looks_numeric(cell: str) -> bool:
 
 @dataclass(frozen=True)
 class NumberStyle:
-    """The signs in the numbers of a file; ``thousands`` is "" if there are none, or all signs that may be there."""
+    """The signs in numbers; ``thousands`` is "" if there are none, or all signs that may be there.
+
+    ``is_open`` says that the numbers do not show their decimal sign, ``is_grouped`` that a comma in them may as well be
+    between thousands.
+    """
 
     decimal: str = "."
     thousands: str = ""
+    is_open: bool = field(default=False, compare=False)
+    is_grouped: bool = field(default=False, compare=False)
 
     def __str__(self) -> str:
         """Return the style in words, "" if it is plain."""
@@ -89,4 +100,7 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
     commas, points = (sum(sign in cell for cell in numbers) for sign in ",.")
     # A mark of none may have a point among decimal commas, as 1.#INF or 9.9E+37 have.
     decimal = "," if commas > 9 * points else "."
-    return NumberStyle(decimal, _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else "")
+    thousands = _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else ""
+    is_open = not commas and not any(_POINT.search(cell) for cell in numbers)
+    is_grouped = all(_GROUPS[","].fullmatch(cell) for cell in numbers if "," in cell)
+    return NumberStyle(decimal, thousands, is_open, is_grouped)

@@ -17,7 +17,7 @@ from musclewire.signals._units import measures, scale_between
 
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 OFFERED = (
-    *("time_s", "wire_voltage_v", "shunt_voltage_v", "drive_voltage_v", "wire_current_a", "wire_resistance_ohm"),
+    *("time_s", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm"),
     *("displacement_m", "force_n", "wire_temperature_k", "stress_pa"),
 )
 # Parts of names without a unit that say what was measured.

@@ -16,7 +16,6 @@ from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals._headers import missing_from, numbered_headers
 from musclewire.signals._import_mapping import CurableError, ImportMapping, load_mapping
 from musclewire.signals._importing import (
-    EXAMPLE_SHUNT,
     NO_SHUNT,
     SHUNT_NEEDED,
     CheckedBlocks,
@@ -35,6 +34,8 @@ from musclewire.signals._writing import require_streamable, write_blocks
 BUFFERED_BLOCKS = 8
 # Each step of a proposal cures one thing: columns, clock, missing numbers, the test.
 MAX_STEPS_OF_A_PROPOSAL = 8
+# A proposal that leaves out more of the rows is none.
+MAX_LEFT_OUT = 0.05
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
@@ -128,19 +129,18 @@ def import_recording(
     Raises
     ------
     RecordingError
-        If the file cannot be read at all, and with an output if it cannot be used; nothing is written then.
+        If the file cannot be read at all, and with an output if it cannot be used, also for want of the resistance of a
+        shunt; nothing is written then.
     CallerError
         For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
     MissingExtraError
         For .parquet without pyarrow.
-    CurableError
-        With an output, for a file of a wire whose shunt is not stated: it says what to state.
     """
     wanted = _mapping(mapping, columns, metadata, group)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()
     if plan.lacks_shunt:
         if output is not None and not plan.problem:
-            raise CurableError(f"{path}: " + NO_SHUNT, EXAMPLE_SHUNT)
+            raise RecordingError(f"{path}: " + NO_SHUNT)
         plan = replace(plan, notes=(*plan.notes, SHUNT_NEEDED))
     if output is not None:
         _write(plan, tally, Path(output), matlab_version)
@@ -172,14 +172,18 @@ def proposed_mapping(path: str | Path, mapping: ImportMapping, problem: Recordin
     for _ in range(MAX_STEPS_OF_A_PROPOSAL):
         if not isinstance(problem, CurableError) or problem.cure is None or problem.cure == ImportMapping():
             return None
-        mapping = mapping.joined(problem.cure)
+        mapping, tally = mapping.joined(problem.cure), CheckedBlocks()
         try:
             plan = _plan(Path(path), mapping)
-            found = _first_problem(plan, CheckedBlocks())
+            found = _first_problem(plan, tally)
         except RecordingError as next_problem:
             found = next_problem
+        if found is None and plan.offered is not None:
+            # What more of it may be read belongs to the same line.
+            found = CurableError("", plan.offered)
         if found is None:
-            return mapping.joined(EXAMPLE_SHUNT) if plan.lacks_shunt else mapping
+            left_out = tally.dropped / (tally.dropped + tally.row_count)
+            return mapping if left_out <= MAX_LEFT_OUT and tally.readings.is_of_a_wire(plan.metadata) else None
         problem = found
     return None
 

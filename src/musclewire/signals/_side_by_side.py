@@ -55,7 +55,7 @@ def _means(header: str, driving: str) -> bool:
 
 
 def _all_numbers(table: SourceTable, indices: Sequence[int]) -> list[FloatArray] | None:
-    blocks = [block.values for block in table.blocks(indices)]
+    blocks = [block.values for block in table.blocks(indices) if not block.is_end]
     if not blocks:
         return None
     columns = zip(*blocks, strict=True)

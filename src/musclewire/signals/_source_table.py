@@ -59,6 +59,8 @@ class RowBlock(NamedTuple):
         Whether that is because it is cut off in the last of them.
     words
         What is written where a column of numbers has none, by row and column; nothing by default.
+    again
+        The rows above which the headers stand once more; none by default.
     """
 
     values: tuple[Cells, ...]
@@ -68,6 +70,7 @@ class RowBlock(NamedTuple):
     is_end: bool = False
     is_cut: bool = False
     words: Mapping[tuple[int, int], str] = MappingProxyType({})
+    again: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", 
 _SEPARATORS = ("\t", ";", "|", ",", " ")
 _SAMPLE_LINES = 400
 _MAX_COLUMNS = 4096
+_MAX_UNIT_LENGTH = 16
 _MIN_SCORE_OF_TABS = 0.3
 # What a cell is. Columns of these three are measured; what is "text" or "blank" in most cells is not.
 COUNTED = frozenset({"numbers", "quantities", "times"})
@@ -60,7 +61,7 @@ class TextLayout:
     headers: tuple[str, ...]
     units: tuple[str | None, ...]
     kinds: tuple[str, ...]
-    style: NumberStyle
+    styles: tuple[NumberStyle, ...]
     first_line: int
     titles: int
     header_lines: frozenset[str] = frozenset()
@@ -70,6 +71,12 @@ class TextLayout:
         """Return the layout in words."""
         style = f", {self.style}" if str(self.style) else ""
         return f"separated by {SEPARATOR_WORDS[self.separator]}{style}"
+
+    @property
+    def style(self) -> NumberStyle:
+        """The style of most columns that are not plain, or plain if all are."""
+        others = [self.styles[index] for index in self.counted if self.styles[index] != NumberStyle()]
+        return max(others, key=others.count) if others else NumberStyle()
 
     @property
     def counted(self) -> tuple[int, ...]:
@@ -128,18 +135,30 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
         raise RecordingError(f"{path}: has {count:,} columns; export only those that are needed")
     names = [head.names[index] if index < len(head.names) else "" for index in range(count)]
     units = [head.units.get(index) for index in range(count)]
-    cells = ((number_and_unit(row[i]) or (row[i],))[0] for row in rows[start:] for i in counted if i < len(row))
+    body = [row for row in rows[start:] if conforms(row, counted)]
+    styles = [style_of((number_and_unit(row[i]) or (row[i],))[0] for row in body if i < len(row)) for i in range(count)]
     return TextLayout(
         separator,
         tuple(name or f"#{index + 1}" for index, name in enumerate(names)),
         tuple(units),
         (*kinds, *["blank"] * (count - width)),
-        style_of(cells),
+        _agreeing(styles),
         lines[start][0] if start < len(lines) else lines[-1][0] + 1,
         len(above) - head.used,
-        frozenset(text for text, _ in above[len(above) - head.used :]),
+        # Settings for each channel stand in for names.
+        frozenset(text for text, _ in above[len(above) - head.used if head.used else 0 :]),
         head.metadata,
     )
+
+
+def _agreeing(styles: Sequence[NumberStyle]) -> tuple[NumberStyle, ...]:
+    """Return the styles of columns; one without a sign in its numbers is written as the others are."""
+    points = any(style.decimal == "." and not style.is_open for style in styles)
+    # Among columns with points a comma is a decimal sign only where it cannot be between thousands.
+    sure = [NumberStyle() if points and style.decimal == "," and style.is_grouped else style for style in styles]
+    commas = [style for style in sure if style.decimal == ","]
+    usual = max(commas, key=commas.count) if commas else NumberStyle()
+    return tuple(usual if style.is_open else style for style in sure)
 
 
 def separator_of(sample: Sequence[str]) -> str:
@@ -159,7 +178,10 @@ def _score(sample: Sequence[str], separator: str) -> tuple[bool, float]:
     width, kinds = _columns_of(rows)
     like = [row for row in rows if len(row) == width and _counted(row)]
     cells = sum(len(row) for row in like)
-    fraction = sum(map(_counted, like)) / cells if cells else 0.0
+    units = sum(
+        len(cell) < _MAX_UNIT_LENGTH and kind_of(cell) == "text" and is_unit(cell) for row in like for cell in row
+    )
+    fraction = (sum(map(_counted, like)) + units) / cells if cells else 0.0
     return width > 1 and bool(COUNTED & set(kinds)), round(fraction * len(like) / len(rows), 3)
 
 
@@ -180,6 +202,12 @@ def _columns_of(rows: Sequence[Sequence[str]]) -> tuple[int, tuple[str, ...]]:
     # Settings next to the first rows, each a word and its value, are not of the table.
     ended = [not any(cell.strip() for cell in cells[len(cells) // 2 :]) for cells in columns]
     words = any(over and kind == "text" for over, kind in zip(ended, kinds, strict=True))
+    # Where such lines hold other things than numbers in the other columns, they are settings for each channel.
+    others = [i for i, over in enumerate(ended) if not over]
+    wide = [row for row in rows if len(row) == width and row[0].strip()]
+    if words and any(kind_of(row[i]) == "text" for row in wide for i in others):
+        rows_below = [row for row in like if not row[0].strip()]
+        return width, tuple(_kind_of_most(cells) for cells in zip(*rows_below, strict=True))
     return width, tuple(
         "beside" if words and over and kind != "blank" else kind for over, kind in zip(ended, kinds, strict=True)
     )
@@ -197,7 +225,7 @@ def _kind_of_most(cells: Sequence[str]) -> str:
 
 def _is_first(row: Sequence[str], width: int, kinds: Sequence[str]) -> bool:
     """Return whether a line is a whole row of the table and not a header or title."""
-    if len(row) < width:
+    if len(row) < width or (kinds[0] == "blank" and row[0].strip()):
         return False
     counted = [index for index, kind in enumerate(kinds) if kind in COUNTED]
     return conforms(row, counted) and kind_of(row[counted[0]]) in COUNTED
@@ -265,15 +293,12 @@ class _Head:
     def _take_rows(self, lines: Sequence[tuple[str, list[str]]], stated: dict[str, MetadataValue]) -> bool:
         """Take the names, the units below them, and the names of groups above them; False if no line is names."""
         rows = [row for _, row in lines]
-        if not rows or not self._may_be_names(rows[-1]):
+        below = len(rows) > 1 and self._are_units(rows[-1])
+        below = below and self._may_be_names(rows[-2]) and not self._are_units(rows[-2])
+        if not rows or not (below or self._may_be_names(rows[-1])):
             return False
         used = 1
-        if (
-            len(rows) > 1
-            and self._are_units(rows[-1])
-            and self._may_be_names(rows[-2])
-            and not self._are_units(rows[-2])
-        ):
+        if below:
             self.units = {i: _bare(cell) for i, cell in enumerate(rows[-1]) if _is_unit_cell(cell)}
             # A scope writes its settings once, in columns of their own that have no cells in its rows.
             names_above = rows[-2]

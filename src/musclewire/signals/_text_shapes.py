@@ -20,11 +20,9 @@ from musclewire.signals._text_lines import Line
 from musclewire.signals._units import is_unit
 
 _NUMBER = r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?"
-_NAME = r"(?P<name>(?:[^\W\d]|\d+(?=[ ]*[^\W\d]))(?:[^:=,;|\t]*?[^\s:=,;|])??)"
-_PAIR = re.compile(
-    rf"[\s,;|]*{_NAME}\s*[:=]\s*(?P<value>[^,;|\t:=]*?(?:,\d[^,;|\t:=]*?)?)"
-    r"(?:\s*(?:[,;|\t]|  +|$)|\s+(?=[^\W\d][^\s:=,;|]*\s*[:=]))"
-)
+_PAIR = re.compile(r"\s*(?P<name>[^\W\d][^:=]*?|\d+\s*[^\W\d][^:=]*?)\s*[:=]\s*(?P<value>.*?)\s*")
+# What may be between pairs, the surest first; a comma may be in a number, and a blank next to its unit.
+_BETWEEN_PAIRS = (re.compile(r"[;|\t]|  +"), re.compile(r","), re.compile(r"\s+(?=[^\W\d][^\s:=]*\s*[:=])"))
 _QUANTITY = re.compile(rf"({_NUMBER})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω]\S{{0,4}})")
 _STAMP = re.compile(r"\s*(?:\[\s*(?P<inside>[^\]]{5,40}?)\s*\]\s?|(?P<before>\S[^>]{3,38}?\S)\s*->\s?)")
 # Fewer lines of a kind may be anything; of those at hand most have to be of it.
@@ -128,16 +126,22 @@ def _value_of(text: str) -> str | None:
 
 def _pairs_in(text: str) -> dict[str, str] | None:
     """Return the names with their values of a line that holds nothing else."""
-    found: dict[str, str] = {}
-    place = 0
-    while place < len(text.rstrip(" \t,;|")):
-        match = _PAIR.match(text, place)
+    for between in _BETWEEN_PAIRS:
+        found = _pairs_of([part for part in between.split(text) if part.strip()])
+        if found is not None:
+            return found
+    return None
+
+
+def _pairs_of(parts: Sequence[str]) -> dict[str, str] | None:
+    pairs: dict[str, str] = {}
+    for part in parts:
+        match = _PAIR.fullmatch(part)
         value = None if match is None else _value_of(match["value"])
         if match is None or value is None:
             return None
-        found[match["name"].strip()] = value
-        place = match.end()
-    return found or None
+        pairs[match["name"]] = value
+    return pairs or None
 
 
 def _lines_of_pairs(head: Sequence[Line]) -> Shape | None:

@@ -122,13 +122,17 @@ class TextTable:
         numbers = tuple(lines[place][0] for place in chosen)
         words: dict[tuple[int, int], str] = {}
         values = self._values(numbers, [rows[place] for place in chosen], indices, words)
-        yield RowBlock(values, self._place(numbers), len(chosen), others, words=words)
+        headers = [place for place in range(last) if lines[place][1] in self.text_layout.header_lines]
+        again = tuple(dict.fromkeys(int(np.searchsorted(chosen, place)) for place in headers))
+        yield RowBlock(values, self._place(numbers), len(chosen), others, words=words, again=again)
 
     def _kind_of(self, line: Line, row: Sequence[str]) -> str:
         """Return what a line is: a "row", a "damaged" one, "words" between rows, or "nothing"."""
         layout = self.text_layout
         if not line[1].strip(_ONLY_SEPARATORS) or line[1] in layout.header_lines:
             return "nothing"
+        if layout.kinds[0] == "blank" and row[0].strip():
+            return "words"
         counted = layout.counted
         if len(row) > len(layout.headers) and any(cell.strip() for cell in row[len(layout.headers) :]):
             return "damaged"
@@ -144,8 +148,8 @@ class TextTable:
         if not others or len(rows[-1]) < len(others[0]) or text.count('"') % 2:
             return bool(others)
         place = len(others[0]) - 1
-        lengths = [_decimals(row[place]) for row in others if len(row) > place]
-        return min(lengths) == max(lengths) and _decimals(rows[-1][place]) < lengths[0]
+        ends = [_end_of(row[place]) for row in others if len(row) > place and not is_missing(row[place])]
+        return bool(ends) and _end_of(rows[-1][place]) < min(ends)
 
     def _end(self, held: Sequence[Line], longest: int, indices: Sequence[int]) -> RowBlock:
         """Return the lines behind the last row: a damaged one, one that is cut off, or a table of something else."""
@@ -199,7 +203,8 @@ class TextTable:
         self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int], words: dict[tuple[int, int], str]
     ) -> Cells:
         """Return the cells of a column; a word among numbers is none of them, and kept in ``words``."""
-        parts, style = self.parts[index], self.text_layout.style
+        parts = self.parts[index]
+        style = self.text_layout.styles[parts[0]]
         if self.cell_units[index] == "unit":
             pairs = [number_and_unit(row[parts[0]]) if parts[0] < len(row) else None for row in rows]
             return ["" if pair is None else pair[1] for pair in pairs]
@@ -248,8 +253,10 @@ class TextTable:
         return found, scale
 
 
-def _decimals(cell: str) -> int:
-    return len(cell.strip())
+def _end_of(cell: str) -> tuple[int, int]:
+    """Return how many signs a number has, as a point and an exponent, and how many digits after the last of them."""
+    parts = re.split(r"[.,]|[eE][+-]?", cell.strip())
+    return len(parts), len(parts[-1]) if len(parts) > 1 else 0
 
 
 def read_text_table(path: Path) -> TextTable:
@@ -368,6 +375,7 @@ def _source_columns(
 ) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...], tuple[str | None, ...]]:
     """Return the columns, which cells of a line each one is, and the unit in its cells, or next to them."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
+    rows = [row for row in rows if len(row) == len(layout.headers)]
     beside = dict(unit_columns(layout, rows))
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []

@@ -153,7 +153,7 @@ def _wanted(item: MatchedHeader, headers: Sequence[str]) -> str:
 def _why(item: MatchedHeader) -> str:
     if item.is_text:
         return f"{item.how}, times as text from the first row on"
-    return {"values": "its numbers count from long ago; from the first row on"}.get(item.how, item.how)
+    return {"values": "found in its values"}.get(item.how, item.how)
 
 
 def _without_path(message: str, path: str) -> str:

@@ -549,6 +549,25 @@ def misfit(drive_v: FloatArray, readings: FloatArray, late: int) -> float:
     return float(np.sqrt(rest @ rest / (centred @ centred)))
 
 
+def pulls_as_a_wire(columns: Columns, metadata: Metadata) -> bool:
+    """Return whether the resistance is lower where most was moved, as a wire's is; True if one of the two is unknown.
+
+    Whatever the sign of an instrument, the rows that differ most from the first are those in which the wire pulls.
+    """
+    ohm = columns.get("wire_resistance_ohm")
+    current_a = next((values for _, values in _currents(columns, metadata)), None)
+    if ohm is None and current_a is not None and "wire_voltage_v" in columns:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ohm = np.abs(columns["wire_voltage_v"] / current_a)
+    moved = next((columns[name] for name in ("displacement_m", "reference_strain") if name in columns), None)
+    usable = judge_readings(columns, metadata).usable
+    if ohm is None or moved is None or usable.sum() < 2 * PLATEAU_ROWS:
+        return True
+    ohm, moved = ohm[usable], np.abs(moved[usable] - moved[usable][0])
+    most, least = moved >= np.quantile(moved, 0.9), moved <= np.quantile(moved, 0.1)
+    return bool(np.median(ohm[most]) < np.median(ohm[least]))
+
+
 class ReadingsOfBlocks:
     """The readings of a table that comes block after block, up to a number of rows, to be judged at its end."""
 
@@ -570,14 +589,18 @@ class ReadingsOfBlocks:
         """That nothing was judged here, if there are too many rows."""
         return (TOO_MANY.format(rows=MAX_ROWS),) if self._rows > MAX_ROWS else ()
 
+    def is_of_a_wire(self, metadata: Metadata) -> bool:
+        """Return whether resistance and motion are those of a wire, as far as they are known."""
+        return not self._blocks or not self._blocks[0] or pulls_as_a_wire(self._columns(), metadata)
+
     def judged(self, metadata: Metadata) -> JudgedReadings | None:
         """Return which rows are measurements; None if there are none to judge, or too many."""
         if not self._blocks or not set(MEASURED) & self._blocks[0].keys():
             return None
-        first = self._blocks[0]
-        return judge_readings(
-            {name: np.concatenate([block[name] for block in self._blocks]) for name in first}, metadata
-        )
+        return judge_readings(self._columns(), metadata)
+
+    def _columns(self) -> dict[str, FloatArray]:
+        return {name: np.concatenate([block[name] for block in self._blocks]) for name in self._blocks[0]}
 
 
 Rule = Callable[[Columns, Metadata], Iterator[UnusableRows]]

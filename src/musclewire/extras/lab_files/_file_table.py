@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from musclewire.errors import MusclewireError, RecordingError, nearest_hint
+from musclewire.errors import MusclewireError, RecordingError, argument, nearest_hint
 from musclewire.signals import (
     BLOCK_ROWS,
     Cells,
@@ -146,7 +146,7 @@ def chosen_table(path: Path, layout: str, parts: Sequence[FilePart], wanted: str
     more = f"; and {len(full) - MAX_NAMED} more" if len(full) > MAX_NAMED else ""
     # The largest one is the example.
     largest = max(full, key=lambda part: part.row_count).name
-    message = f"{path}: holds {len(full)} tables: choose one with --group NAME: {listed}{more}"
+    message = f"{path}: holds {len(full)} tables: choose one with " + argument("group", "NAME") + f": {listed}{more}"
     raise CurableError(message, ImportMapping(group=largest))
 
 

@@ -75,7 +75,7 @@ def simulink_to_file(loop: Loop) -> Written:
     """The block To File in its format "Array": a signal in each row, the first of them the time."""
     rows = np.vstack([loop[TIME], loop[V], loop[SHUNT]])
     given = ("-c", f"{V}=ans 2:V", "-c", f"{SHUNT}=ans 3:V")
-    return Written({"tofile.mat": matlab(ans=rows)}, chosen(loop, TIME, V, SHUNT), "line", given)
+    return Written({"tofile.mat": matlab(ans=rows)}, chosen(loop, TIME, V, SHUNT), given=(*given, *OHM))
 
 
 def matlab_outputs(loop: Loop) -> Written:
