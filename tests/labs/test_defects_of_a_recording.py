@@ -135,3 +135,34 @@ def test_a_loop_of_a_simulated_rig_is_not_warned_of(wire: str, pretension: str, 
     model = fit(recording)
     text = "\n".join((*model.warnings, *estimate(model, recording).warnings))
     assert not [begins for begins in NAMED.values() if begins in text]
+
+
+# Steps of a column as a part of its usual reading: two decimals of a small current, and what ten bits have.
+@pytest.mark.parametrize(("low", "high", "named"), [(0.08, 0.16, True), (1e-4, 0.02, False)])
+def test_a_column_of_coarse_steps_is_named_and_no_drive_is_asked_for(low: float, high: float, named: bool) -> None:
+    for number in range(60):
+        random = np.random.default_rng([63, number])
+        found = loop(LOOPS[number % 3])
+        column = str(random.choice(["wire_current_a", "wire_voltage_v"]))
+        step = float(np.median(found[column])) * random.uniform(low, high)
+        rounded = {**found, column: np.maximum(np.round(found[column] / step), 1.0) * step}
+        kept = ("time_s", "wire_voltage_v", "wire_current_a", "displacement_m")
+        recording = Recording({name: rounded[name] for name in kept}, {})
+        text = said(lambda here=recording: fit(here, quantity="displacement", order=3).warnings)
+        assert (f"{column} is recorded in steps of {step:.3g}" in text) == named, (number, text)
+        assert not (named and "raise the drive" in text)
+
+
+def test_a_current_that_is_set_in_steps_is_not_coarse() -> None:
+    for name in LOOPS:
+        found = loop(name)
+        levels = np.linspace(found["wire_current_a"].min(), found["wire_current_a"].max(), 8)
+        half = found["wire_current_a"].size // 2
+        rows = [np.abs(found["wire_current_a"][:half] - level).argmin() for level in levels]
+        rows += [half + np.abs(found["wire_current_a"][half:] - level).argmin() for level in levels[::-1]]
+        set_a = {"wire_current_a": np.append(levels, levels[::-1]), "time_s": 10.0 * np.arange(16)}
+        columns = {column: found[column][rows] for column in ("wire_resistance_ohm", "displacement_m")} | set_a
+        columns["wire_voltage_v"] = columns.pop("wire_resistance_ohm") * columns["wire_current_a"]
+        recording = Recording(columns, {})
+        text = said(lambda here=recording: fit(here, quantity="displacement", order=3).warnings)
+        assert "is recorded in steps" not in text

@@ -31,6 +31,7 @@ from musclewire.judge import (
     ErrorGroup,
     JudgedEstimate,
     JudgedRecording,
+    coarse_readings,
     measured_rows,
     recording_defects,
     resistance_reading,
@@ -241,6 +242,8 @@ def fit(
     except (RecordingError, FitRejectedError) as error:
         why = without_loop(error, recording) if isinstance(error, RecordingError) else error
         against = (*unusable, *against)
+        if coarse_readings(given, quantity):  # whether the drive is too low is not known then
+            raise RecordingError(f"no loop can be read: {'; '.join(against)}") from None
         raise (type(why)(f"{why} ({'; '.join(against)})") if against else why) from None
     model = replace(model, slow_loop=power_loop(recording, reading, measured, cycle, quantity))
     stated = None

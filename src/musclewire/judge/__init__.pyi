@@ -1,5 +1,6 @@
 """The list of names that other rooms may use."""
 
+from ._defects import coarse_readings as coarse_readings
 from ._defects import measured_rows as measured_rows
 from ._defects import recording_defects as recording_defects
 from ._error_causes import ErrorGroup as ErrorGroup

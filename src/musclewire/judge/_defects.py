@@ -1,4 +1,4 @@
-"""What spoils a loop though each of its readings is one: noise, jumps, flat stretches, short cooling, joined clocks.
+"""What spoils a loop though each of its readings is one: noise, steps, jumps, flat stretches, short cooling, clocks.
 
 And rows that somebody put between the measured ones by straight lines. Everything is judged from the recording alone,
 before a model and for a recording without a complete loop too.
@@ -22,6 +22,7 @@ from musclewire.judge._readings import JudgedRecording, resistance_reading
 from musclewire.sensing import SHOWN_AS, hysteresis_gap, noise_level, turning_points
 from musclewire.signals import (
     COLUMN_SUFFIX,
+    COLUMNS,
     MOTION,
     Recording,
     RunFacts,
@@ -38,6 +39,9 @@ Numbers = Mapping[str, float | str] | None
 MIN_ROWS, MOVED_NOISES = 12, 20.0
 # Of normal noise, so many standard deviations hold 95 % of the readings: if they are the swing, a reading says nothing.
 SCATTER_STDS = 4.0
+# A column is coarse if one of its steps is a larger part of it than this: from B to C resistance changes by some 10 %.
+# Resistance then follows at least this part of a step, with which a step of the drive would bring the other column.
+COARSE_PART, FOLLOWED = 0.05, 0.5
 # The least current is that of this part of the rows, and of so many at least.
 LOW_CURRENT_PART, LOW_CURRENT_ROWS = 0.2, 8
 # A wire stands still within this part of the stroke from its cold end; motion moves its resistance by as much.
@@ -88,6 +92,8 @@ class MeasuredLoop:
         Strain as a fraction, displacement [m] or force [N].
     current_a
         Current [A]; None if it was not recorded.
+    source
+        The columns from which resistance follows.
     quantity
         What moved.
     facts
@@ -98,6 +104,7 @@ class MeasuredLoop:
     resistance_ohm: FloatArray
     moved: FloatArray
     current_a: FloatArray | None
+    source: tuple[str, ...]
     quantity: str
     facts: RunFacts
 
@@ -140,7 +147,7 @@ def measured_loop(recording: Recording, quantity: str) -> MeasuredLoop | None:
     if judged.has_current:
         current_a = np.abs(judged.circuit.shunt_v[there] / judged.circuit.shunt_ohm)
     columns = recording["time_s"][there], reading.resistance_ohm[there], moved[there]
-    return MeasuredLoop(*columns, current_a, quantity, recording.facts)
+    return MeasuredLoop(*columns, current_a, judged.source, quantity, recording.facts)
 
 
 def drowning_noise(loop: MeasuredLoop) -> Numbers:
@@ -154,6 +161,31 @@ def drowning_noise(loop: MeasuredLoop) -> Numbers:
         return None
     min_ma, max_ma = (1e3 * loop.current_a[order[place]] for place in (0, rows - 1))
     return {"min_ma": min_ma, "max_ma": max_ma, "low": low_ohm, "high": high_ohm, "swing": loop.swing_ohm}
+
+
+def coarse_steps(loop: MeasuredLoop) -> Numbers:
+    """Return the step of a column that is recorded so coarsely that its steps are those of the resistance."""
+    columns = {loop.source[-1]: loop.resistance_ohm}
+    if len(loop.source) > 1 and loop.current_a is not None:
+        columns = {loop.source[-1]: loop.current_a, loop.source[0]: loop.current_a * loop.resistance_ohm}
+    for name, values in columns.items():
+        digits = np.unique(np.round(values / (1e-9 * np.abs(values).max())))
+        if digits.size < 2:
+            continue
+        step = 1e-9 * float(np.abs(values).max() * np.quantile(np.diff(digits), 0.1))
+        part = step / float(np.median(np.abs(values)))
+        change, size = np.abs(np.diff(values)), np.abs(values[1:])
+        stepped = (change > 0.5 * step) & (size > 0.0)
+        change_ohm = np.abs(np.diff(loop.resistance_ohm)) / loop.resistance_ohm[1:]
+        if part > COARSE_PART and np.median(change_ohm[stepped] / (change / size)[stepped]) > FOLLOWED:
+            return {
+                "name": name,
+                "step": step,
+                "unit": COLUMNS[name].unit,
+                "count": np.ptp(values) / step,
+                "pct": 100 * part,
+            }
+    return None
 
 
 def scatter_ohm(resistance_ohm: FloatArray, rows: Rows) -> float:
@@ -299,6 +331,7 @@ class Defect(NamedTuple):
 
 
 DEFECTS = (
+    Defect("coarse_steps", coarse_steps, True),
     Defect("drowning_noise", drowning_noise, True),
     Defect("jump_with_current", jump_with_current, False),
     Defect("flat_stretch", flat_stretch, False),
@@ -307,16 +340,18 @@ DEFECTS = (
 )
 
 
-def defects_in(recording: Recording, quantity: str) -> tuple[float, tuple[str, ...]]:
+def defects_in(recording: Recording, quantity: str) -> tuple[float, dict[str, str]]:
     """Return the stroke of a recording and what it shows against itself, in one pass over the table."""
     loop, found = measured_loop(recording, quantity), dict[str, str]()
     if loop is None:
-        return 0.0, ()
+        return 0.0, found
     for defect in DEFECTS:
-        numbers = defect.detect(loop) if defect.shows_in_noise or "drowning_noise" not in found else None
+        # All else that a coarse column shows is its steps.
+        hidden = "coarse_steps" in found or ("drowning_noise" in found and not defect.shows_in_noise)
+        numbers = None if hidden else defect.detect(loop)
         if numbers is not None:
             found[defect.key] = remedies("recording")[defect.key].format(**numbers)
-    return loop.stroke, tuple(found.values())
+    return loop.stroke, found
 
 
 # What is asked once of a recording, by the quantity that moved.
@@ -330,7 +365,12 @@ def recording_defects(recording: Recording, quantity: str, model_stroke: float =
     is asked.
     """
     stroke, found = asked_once(recording, BY_QUANTITY[quantity])
-    return found if stroke >= CYCLE_PART * model_stroke else ()
+    return tuple(found.values()) if stroke >= CYCLE_PART * model_stroke else ()
+
+
+def coarse_readings(recording: Recording, quantity: str) -> str:
+    """Return that a column is recorded too coarsely for a loop; "" if none is."""
+    return asked_once(recording, BY_QUANTITY[quantity])[1].get("coarse_steps", "")
 
 
 class MeasuredRows(NamedTuple):

@@ -66,7 +66,9 @@ def test_scatter_is_that_of_single_readings_and_not_of_a_curve() -> None:
 )
 def test_cooling_is_short_if_the_current_is_back_or_was_not_recorded(current_a: np.ndarray | None, named: bool) -> None:
     moved = np.where(np.arange(201) > 100, 0.2 + 0.8 * RISE, RISE) * 1e-3
-    loop = MeasuredLoop(0.1 * np.arange(201), 10.0 - RISE, moved, current_a, "displacement", RunFacts({}))
+    loop = MeasuredLoop(
+        0.1 * np.arange(201), 10.0 - RISE, moved, current_a, ("wire_resistance_ohm",), "displacement", RunFacts({})
+    )
     found = short_cooling(loop)
     assert bool(found) is named
     assert not found or found == pytest.approx({"short": 0.2, "unit": "mm", "short_pct": 20.0})
