@@ -37,7 +37,6 @@ from musclewire.signals._headers import (
     name_and_unit,
     numbered_headers,
     require_same,
-    split_header,
 )
 from musclewire.signals._import_mapping import CurableError, ImportMapping
 from musclewire.signals._long_tables import spread_series
@@ -714,8 +713,8 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     listed += ", ..." if len(headers) > 12 else ""
     if not found - _COUNTERS and (plan.match.ignored or not found):
         what = "only the time" if found else "nothing"
-        measured = [column.header for column in plan.table.columns if not column.is_text and not column.is_empty]
-        example = next((name for name in measured if not is_time_name(split_header(name)[0])), "HEADER")
+        unknown = (item.header for item in plan.match.ignored if item.reason == "name not known")
+        example = next(unknown, "HEADER")
         return (
             f"{path}: {what} is usable of {listed}: map what was measured, with its unit, as wire_voltage_v={example}:V"
         )

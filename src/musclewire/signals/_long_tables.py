@@ -51,6 +51,8 @@ def spread_series(table: SourceTable) -> SourceTable:
     numbers = np.concatenate([np.asarray(block.values[1], dtype=np.float64) for block in blocks])
     column = SourceColumn(header, None if reader is None else "s")
     of_units = [unit.strip() for unit in texts(2)] if units else []
+    stated_unit = table.columns[values[0]].unit
+    of_units = [stated_unit] * numbers.size if stated_unit and not of_units else of_units
     return _spread(table, column, texts(0), np.concatenate(times), numbers, of_units)
 
 

@@ -38,11 +38,13 @@ _OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
 _BLANKS = re.compile(r'(?<=")[^"]*(?="(?:\s|$))|[^\s"]+')
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
+_BRACKETED_END = re.compile(r"[\[(]([^\[\]()]*)[\])]\s*$")
 # Words of two groups of columns next to each other.
 _BRANCHES = re.compile(r"heat|cool|aufheiz|abkühl|erwärm|load|forward|reverse|up\b|down\b", re.IGNORECASE)
 _UNIT_WORD = re.compile(
     r"(?:^|[\W_]|(?<=[a-z])(?=U)|(?<=^[A-Z])(?=U))(?:units?|einheit(?:en)?)(?:$|[\W_])", re.IGNORECASE
 )
+_AXIS = re.compile(r"(?:[vhxy]|vertical|horizontal|data|axis|\W)*", re.IGNORECASE)
 _SOURCE = re.compile(r"source|channel|trace ?name|signal", re.IGNORECASE)
 _ACROSS = re.compile(r"^(?:h|x|horizontal)(?:$|[\W_]|(?=[A-Z]))|time|horizontal", re.IGNORECASE)
 
@@ -135,6 +137,11 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
         raise RecordingError(f"{path}: has {count:,} columns; export only those that are needed")
     names = [head.names[index] if index < len(head.names) else "" for index in range(count)]
     units = [head.units.get(index) for index in range(count)]
+    for name, unit in zip(names, units, strict=True):
+        stated = _BRACKETED_END.search(name)
+        if unit and stated and is_unit(stated[1]) and scale_between(unit, stated[1]) not in (1.0, None):
+            said = f"column '{name}' states {stated[1]}, and apart from it the file states {unit}"
+            raise RecordingError(f"{path}: {said}: correct one of the two, or map it with the unit that is right")
     body = [row for row in rows[start:] if conforms(row, counted)]
     styles = [style_of((number_and_unit(row[i]) or (row[i],))[0] for row in body if i < len(row)) for i in range(count)]
     return TextLayout(
@@ -362,7 +369,7 @@ class _Head:
             targets = [i for i in self._counted if self._is_named_in(i, key)] if len(values) == 1 else []
             if not targets and len(values) == len(self._counted) and not _ACROSS.search(key):
                 targets = self._counted
-            elif not targets and len(values) <= len(others):
+            elif not targets and len(values) <= len(others) and _AXIS.fullmatch(_UNIT_WORD.sub(" ", key).strip()):
                 targets = others
             for index, unit in zip(targets, values, strict=False):
                 self.units.setdefault(index, unit)

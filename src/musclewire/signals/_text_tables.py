@@ -134,9 +134,8 @@ class TextTable:
         if layout.kinds[0] == "blank" and row[0].strip():
             return "words"
         counted = layout.counted
-        if len(row) > len(layout.headers) and any(cell.strip() for cell in row[len(layout.headers) :]):
-            return "damaged"
-        if len(row) > counted[-1] and conforms(row, counted):
+        is_wide = any(cell.strip() for cell in row[len(layout.headers) :])
+        if len(row) > counted[-1] and conforms(row, counted) and not is_wide:
             return "row"
         begins = counted[0] < len(row) and kind_of(row[counted[0]]) in COUNTED
         return "damaged" if begins else "words"

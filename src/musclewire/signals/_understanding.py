@@ -9,11 +9,14 @@ from musclewire.signals._columns import COLUMNS
 from musclewire.signals._headers import IgnoredHeader, MatchedHeader, UndecidedHeader, split_header
 from musclewire.signals._import_mapping import ImportMapping
 from musclewire.signals._importing import CheckedBlocks, ImportPlan
-from musclewire.signals._metadata import MetadataValue
+from musclewire.signals._metadata import MetadataValue, one_line
 from musclewire.signals._proposing import OFFERED
 from musclewire.signals._run_facts import RunFacts
-from musclewire.signals._source_table import rows_in
+from musclewire.signals._source_table import SourceTable, heads_of, rows_in
 from musclewire.signals._units import measures
+
+# Headers that are listed, and rows and cells that are shown, of a file that holds many.
+MAX_LISTED, SHOWN_ROWS, SHOWN_CELLS = 20, 3, 12
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,8 @@ class FileInterpretation:
         The mapping that says all this explicitly, for the next file of this kind.
     proposal
         The mapping that reads a file with a problem, or more of one without, tried; None if none is known or needed.
+    first_rows
+        The first rows as they were read, of a file with a problem for which no mapping is proposed; else nothing.
     """
 
     path: str
@@ -60,6 +65,7 @@ class FileInterpretation:
     problem: str
     mapping: ImportMapping
     proposal: ImportMapping | None = None
+    first_rows: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, object]:
         """Return plain values for JSON."""
@@ -81,7 +87,10 @@ class FileInterpretation:
         lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
         lines += [f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({_why(item)})" for item in self.taken]
         lines += [f"  '{item.header}' undecided: {_without_path(item.message, self.path)}" for item in self.undecided]
-        lines += [f"  '{item.header}' ignored: {item.reason}{self._offer(item)}" for item in self.ignored]
+        lines += [f"  '{item.header}' ignored: {item.reason}{self._offer(item)}" for item in self.ignored[:MAX_LISTED]]
+        more = len(self.ignored) - MAX_LISTED
+        lines += [f"  {more} more ignored"] if more > 0 else []
+        lines += [f"  read as: {row}" for row in self.first_rows]
         lines += [f"  {name}: {self._range(name)}" for name in self.ranges]
         lines += [f"  {note}" for note in self.notes]
         lines += [f"  {key} = {value}" for key, value in self.metadata.items()]
@@ -121,7 +130,18 @@ def understanding_of(
         problem,
         _explicit(plan),
         proposal,
+        _first_rows(table) if problem and proposal is None else (),
     )
+
+
+def _first_rows(table: SourceTable) -> tuple[str, ...]:
+    """Return the first rows of a table in words, each cell as it was read."""
+    head = [cells[:SHOWN_ROWS] for cells in heads_of(table)[:SHOWN_CELLS] if len(cells)]
+    more = ", ..." if len(table.columns) > SHOWN_CELLS else ""
+    rows = zip(
+        *([one_line(cell) if isinstance(cell, str) else f"{cell:g}" for cell in cells] for cells in head), strict=False
+    )
+    return tuple(", ".join(row) + more for row in rows)
 
 
 def _explicit(plan: ImportPlan) -> ImportMapping:

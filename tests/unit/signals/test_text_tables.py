@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
 from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._reading import read_recording
+from musclewire.signals._reading import import_recording, read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 
@@ -108,3 +108,49 @@ def test_a_large_file_is_read_as_a_small_one_wherever_it_stops_being_plain(file,
     assert "line 302, column 'force_n': 'x' is not a number" in refusal(
         file(text.replace("30.0,3.0", "30.0,x"), "bad.csv")
     )
+
+
+ROWS = [f"{0.1 * number:.1f},{1.5 + number:.3f}" for number in range(12)]
+
+
+@pytest.mark.parametrize(
+    ("lines", "rows", "said"),
+    [
+        ([*ROWS[:5], "READY", *ROWS[5:]], 12, "a line that is no row left out, as line 7: 'READY'"),
+        ([*ROWS, "", ",Min,Max", "CH1,0,3"], 12, "2 lines that are no rows left out, as line 15"),
+        ([*ROWS, "1.2,13.5"], 12, "the file is cut off in line 14, which is left out"),
+        ([*ROWS, "1.2"], 12, "the file is cut off in line 14, which is left out"),
+        ([*ROWS, "1.2,13.500"], 13, ""),
+    ],
+)
+def test_lines_that_are_no_rows_are_left_out_with_their_number(file, lines, rows, said):
+    understood = import_recording(file("\n".join(["time_s,force_n", *lines])))
+    assert (understood.problem, understood.row_count) == ("", rows)
+    assert said in "; ".join(understood.notes)
+
+
+@pytest.mark.parametrize(
+    ("head", "units"),
+    [
+        (["Model,X", "Unit of Load,mN", "Time [s],Load"], 1e-3),
+        (["Model,X", "Time,Load", "s,mN"], 1e-3),
+        (["Model,X", "Horizontal Units,s", "Vertical Units,CH1:mN,", "Time,Load"], 1e-3),
+        (["Model,X", "Unit of Torque,mN", "Time [s],Load [N]"], 1.0),
+    ],
+)
+def test_a_unit_counts_wherever_the_file_states_it(file, head, units):
+    recording = read_recording(file("\n".join([*head, *ROWS, ""])))
+    assert recording["force_n"][1] == pytest.approx(2.5 * units)
+
+
+def test_headers_that_stand_once_more_begin_a_test_unless_the_clock_goes_on(file):
+    pages = ["time_s,force_n", *ROWS[:6], "time_s,force_n", *ROWS[6:], ""]
+    assert len(read_recording(file("\n".join(pages)))) == 12
+    tests = ["time_s,force_n", *ROWS[:5], "time_s,force_n", *ROWS, ""]
+    assert "2 tests are below each other" in refusal(file("\n".join(tests)))
+    assert len(read_recording(file("\n".join(tests)), group="test 2")) == 12
+
+
+def test_two_units_that_a_file_states_of_one_column_are_refused_with_both(file):
+    text = "\n".join(["Unit of Load [N],mN", "Time [s],Load [N]", *ROWS, ""])
+    assert "states N, and apart from it the file states mN" in refusal(file(text))
