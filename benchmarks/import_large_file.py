@@ -7,7 +7,7 @@ semicolons, decimal commas and dates as text. The memory is the child process's 
 Ends with exit code 1 above 500 MiB, or if a row is missing.
 
 With --pandas a file of 300 MB is checked by `musclewire import` without -o, and read by `pandas.read_csv`, both in
-processes of their own in the same run: exit code 1 above 3 times the time or 1 time the memory of pandas.
+processes of their own in the same run: exit code 1 above 2.5 times the time or 1 time the memory of pandas.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MOST_MEMORY_MIB = 500.0
 SIZES_MIB = {False: 2048, True: 64}
 # What a check of a file may take of what pandas needs to read it.
 PANDAS_MIB = 287  # 300 MB
-MAX_TIME_RATIO, MAX_MEMORY_RATIO = 3.0, 1.0
+MAX_TIME_RATIO, MAX_MEMORY_RATIO = 2.5, 1.0
 READ_BY_PANDAS = "import sys, pandas; pandas.read_csv(sys.argv[1])"
 HEADERS = {
     "plain": "Time [s],V_SMA [V],V_R [V],LVDT [mm],T [degC]\n",

@@ -55,8 +55,8 @@ def read_recording(
     Parameters
     ----------
     path
-        The file; its suffix states the format: .h5 and .hdf5 (ours or others'), .csv, .tsv, .txt, .dat and .asc,
-        .tdms, .lvm, .mat (4, 5 and 7.3), .xlsx and .xlsm, .parquet.
+        The file; its suffix states the format: .h5 and .hdf5 (ours or others'), text (.csv, .tsv, .txt, .dat, .asc,
+        .log, .tra, .prn, .jsonl, .ndjson), .tdms, .lvm, .mat (4, 5 and 7.3), .xlsx and .xlsm, .parquet, .nc.
     columns
         NAME -> "HEADER" or "HEADER:UNIT" for headers that are not recognised by themselves, such as
         ``{"wire_voltage_v": "Vw:mV"}``; HEADER may itself carry a unit, and ``#2`` is the second column whatever it is

@@ -93,7 +93,7 @@ def test_a_tdms_file_that_was_cut_off_in_a_run_gives_its_complete_rows_and_says_
 
 def test_groups_of_different_rates_are_chosen_by_name(lab_files):
     path = lab_files / "read" / "tdms_two_rates.tdms"
-    assert "--group" in refusal(path)
+    assert "group='NAME'" in refusal(path)
     assert "did you mean 'Fast'" in refusal(path, "Fasd")
     assert len(columns_of(path, "Fast")["Force"]) == 5 * ROWS
     assert len(columns_of(path, "Measured")["LVDT"]) == ROWS
