@@ -15,7 +15,7 @@ from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._home_move import HomeMove
 from musclewire.sensing._wire_model import with_wire_model
 from musclewire.sensing._wire_tables import WireModel, WireNumber
-from musclewire.signals import understand, write_text_whole
+from musclewire.signals import write_text_whole
 from musclewire.small_files import MAX_BYTES, json_of, read_small
 
 if TYPE_CHECKING:
@@ -225,6 +225,9 @@ def _document(source: Path) -> dict[str, Any]:
 
 def _is_recording(source: Path) -> bool:
     """Return whether a file has columns of a recording, whatever it lacks."""
+    # Here, because what reads files of others takes long to load, and most loops have a model.
+    from musclewire.signals import understand
+
     try:
         return bool(understand(source).taken)
     except MusclewireError:

@@ -32,10 +32,11 @@ _EPOCHS = (
 _MAX_EXCEL_STEP_D = 1.0 / 24.0
 # What counters of programs wrap at: an unsigned integer of 16 or 32 bits.
 _WRAPS = (2.0**16, 2.0**32)
+# A counter of a program that had run before: it is counted from the first row.
+_RUNNING_FROM = 2.0**14
 _DAY_S, _HOUR_S = 86_400.0, 3600.0
-# Over a wrap a counter goes on by its usual step within a half; a clock of text by at most so many.
-_STEP_OVER_A_WRAP = (0.5, 1.5)
-_MAX_STEPS_OVER_AN_HOUR = 20.0
+# A wrap, midnight and an hour set back are at most so many steps away from the rows on both sides.
+_MAX_STEPS_AWAY = 10.0
 # No wire goes through a loop in less: the thinnest lose their heat in tens of milliseconds (20 rows or more).
 MIN_DURATION_S, _MIN_ROWS = 1e-3, 20
 # Where no unit is stated, that one is offered in which a loop lasts so long, with rows so far apart.
@@ -107,7 +108,8 @@ class ClockReader:
         else:
             written = np.asarray(columns[0], dtype=np.float64)
             if self._origin is None and written.size:
-                long_ago = clock.factor * written[0] >= ABSOLUTE_FROM_S or clock.counts or bool(clock.wraps_s)
+                long_ago = clock.factor * written[0] >= ABSOLUTE_FROM_S or clock.counts
+                long_ago |= bool(clock.wraps_s) and written[0] >= _RUNNING_FROM
                 self._origin = float(written[0]) if long_ago else 0.0
                 if clock.factor * written[0] >= ABSOLUTE_FROM_S:
                     self.clock_start_s = clock.factor * float(written[0])
@@ -135,7 +137,7 @@ class ClockReader:
         added = np.zeros(known.size)
         for row in falls.tolist():
             before_s = float(known[row - 1]) if row else self._last_s
-            period_s = self._period_of(float(known[row]) - before_s)
+            period_s = self._period_of(before_s, float(known[row]))
             if period_s:
                 added[row:] += period_s
                 where = place(int(np.flatnonzero(finite)[row]))
@@ -150,11 +152,17 @@ class ClockReader:
         )
         return found
 
-    def _period_of(self, step_s: float) -> float:
-        """Return after which time a clock began again that fell by a step, 0.0 if it did not just go on."""
-        low, high = (0.0, _MAX_STEPS_OVER_AN_HOUR) if self.clock.is_text else _STEP_OVER_A_WRAP
-        steps_s = (low * self.clock.step_s, high * self.clock.step_s)
-        return next((each for each in self.clock.wraps_s if steps_s[0] < step_s + each <= steps_s[1]), 0.0)
+    def _period_of(self, before_s: float, after_s: float) -> float:
+        """Return after which time a clock began again that fell from one time to another, 0.0 if it did not go on.
+
+        A counter wraps at the end of its range, within some of its steps; text goes on by some of its steps.
+        """
+        near_s = _MAX_STEPS_AWAY * self.clock.step_s
+        if self.clock.is_text:
+            return next((each for each in self.clock.wraps_s if 0.0 < after_s - before_s + each <= near_s), 0.0)
+        begin_s = (self._origin or 0.0) * self.clock.factor
+        ends = (each for each in self.clock.wraps_s if 0.0 < each - (before_s + begin_s) <= near_s)
+        return next(ends, 0.0) if after_s + begin_s <= near_s else 0.0
 
     def _why(self, period_s: float) -> str:
         if not self.clock.is_text:
@@ -344,21 +352,7 @@ def _with_wraps(clock: Clock, values: FloatArray) -> Clock:
     finite = values[np.isfinite(values)]
     if not finite.size or (finite % 1.0 != 0.0).any() or finite.min() < 0.0:
         return clock
-    return (
-        replace(clock, wraps_s=tuple(bound * clock.factor for bound in _WRAPS if finite.max() < bound))
-        if _near_a_wrap(finite)
-        else clock
-    )
-
-
-def _near_a_wrap(values: FloatArray) -> bool:
-    steps = np.diff(values)
-    usual = float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else 0.0
-    falls = steps[steps < 0.0]
-    low, high = _STEP_OVER_A_WRAP
-    return any(any(low * usual < fall + bound <= high * usual for fall in falls.tolist()) for bound in _WRAPS) or any(
-        float(values.max()) >= 0.5 * bound for bound in _WRAPS if values.max() < bound
-    )
+    return replace(clock, wraps_s=tuple(bound * clock.factor for bound in _WRAPS if finite.max() < bound))
 
 
 def _text_clock(
@@ -460,7 +454,8 @@ def _scale_of_fraction(cells: FloatArray, whole_s: FloatArray) -> float | None:
     if scale is None or (scale < 1.0 and (cells % 1.0 != 0.0).any()):
         return None
     falls, alone, together = np.diff(cells) < 0.0, np.diff(whole_s), np.diff(whole_s + scale * cells)
-    if not falls.any() or (falls & (alone == 0.0)).any() or (together > 0.0).mean() < _RISING:
+    goes_on = (falls & (alone > 0.0)).any() and not (falls & (alone == 0.0)).any()
+    if not goes_on or (together > 0.0).mean() < _RISING:
         return None
     # Without it the clock stands still, or its steps are less even.
     is_needed = (alone == 0.0).any() or float(np.ptp(together)) < 0.5 * float(np.ptp(alone))

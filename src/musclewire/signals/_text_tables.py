@@ -374,7 +374,7 @@ def _source_columns(
 ) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...], tuple[str | None, ...]]:
     """Return the columns, which cells of a line each one is, and the unit in its cells, or next to them."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
-    rows = [row for row in rows if len(row) == len(layout.headers)]
+    rows = [row for row in rows if len(row) == len(layout.headers) and conforms(row, layout.counted)]
     beside = dict(unit_columns(layout, rows))
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []
