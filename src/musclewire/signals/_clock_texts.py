@@ -105,11 +105,6 @@ class ClockTexts:
         self._is_ambiguous = False
         self.start_time: str | None = None
 
-    @staticmethod
-    def is_time(cell: str) -> bool:
-        """Return whether a cell is a date with a time of day, or one of the two."""
-        return is_clock_text(cell)
-
     def seconds(self, cells: Sequence[str], place: Callable[[int], str]) -> FloatArray:
         """Return the times of rows [s] since the first row of all. Raises RecordingError for a cell that is none."""
         plain = self._plain_iso(cells)

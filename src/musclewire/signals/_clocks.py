@@ -14,7 +14,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._clock_texts import ClockTexts, is_date, is_time_of_day, written_clock
+from musclewire.signals._clock_texts import ClockTexts, is_clock_text, is_date, is_time_of_day, written_clock
 from musclewire.signals._columns import columns_called
 from musclewire.signals._source_table import Cells, SourceColumn
 from musclewire.signals._units import conversion_to_si, measures, scale_between, scale_to_si
@@ -46,7 +46,6 @@ _COUNTS_BY_ONE = 0.5
 _RISING = 0.9
 # A fraction of a second next to a clock of whole seconds, from the largest number that it reaches.
 _FRACTIONS = ((1.0, 1.0), (1e3, 1e-3), (1e6, 1e-6), (1e9, 1e-9))
-_NAME_AND_UNIT = re.compile(r"(?P<name>.*?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]\s*")
 
 
 @dataclass(frozen=True)
@@ -226,7 +225,7 @@ def find_clock(
 
 def _is_times(cells: Cells) -> bool:
     filled = [cell for cell in cells[:20] if str(cell).strip()] if isinstance(cells, list) else []
-    return bool(filled) and sum(is_time_of_day(str(c)) or ClockTexts.is_time(str(c)) for c in filled) > len(filled) // 2
+    return bool(filled) and 2 * sum(is_clock_text(str(cell)) for cell in filled) > len(filled)
 
 
 def _steps_of(values: FloatArray) -> FloatArray:
