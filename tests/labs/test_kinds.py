@@ -1,4 +1,4 @@
-"""The generator of layouts draws all of its values and knows the truth of what it writes; importing misses its bars."""
+"""The generator of layouts draws all of its values and knows the truth of what it writes; importing holds its bars."""
 
 from __future__ import annotations
 
