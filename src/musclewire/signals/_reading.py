@@ -137,6 +137,8 @@ def import_recording(
         For .parquet without pyarrow.
     """
     wanted = _mapping(mapping, columns, metadata, group)
+    if output is not None:
+        require_streamable(Path(output), matlab_version)
     plan, tally = _plan(Path(path), wanted), CheckedBlocks()
     if plan.lacks_shunt:
         if output is not None and not plan.problem:
@@ -304,7 +306,6 @@ def _refuse_unusable(plan: ImportPlan, tally: CheckedBlocks) -> None:
 def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
     if plan.problem:
         raise CurableError(plan.problem, plan.cure)
-    require_streamable(output, matlab_version)
     blocks = checked_blocks(plan, tally)
     # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come first.
     buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
