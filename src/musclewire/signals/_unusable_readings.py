@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import correlate
 
 from musclewire.arrays import FloatArray
 from musclewire.signals._columns import COLUMNS
@@ -520,6 +519,9 @@ def drive_doubts(columns: Columns, usable: Rows) -> list[str]:
 
 def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
     """Return by how many rows a drive is later than voltage and current, 0 if that is not plain; half a row is none."""
+    # Here, because it takes longer to load than all that reads a file.
+    from scipy.signal import correlate
+
     every = -(-drive_v.size // MAX_LATE_ROWS)
     drive_v, readings = drive_v[::every], readings[::every]
     count, off = drive_v.size, misfit(drive_v, readings, 0)
