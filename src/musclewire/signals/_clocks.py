@@ -392,7 +392,7 @@ def _text_clock(
     except RecordingError:
         seconds = np.zeros(0)
     step_s = _usual_step(seconds)
-    has_date = texts.start_time is not None
+    has_date = len(indices) > 1 or not is_time_of_day(first)
     wraps_s = (
         (_HOUR_S,) if has_date or form == "mm:ss" else (_DAY_S / 2.0,) if not re.search("[ap]m", first, re.I) else ()
     )

@@ -102,12 +102,15 @@ def is_unit(text: str) -> bool:
 
 @functools.cache
 def scale_between(unit_text: str, other_text: str) -> float | None:
-    """Return what makes a number in a unit one in another; None if they measure different things."""
+    """Return what makes a number in a unit one in another; None if no factor does, as of degrees with other zeros."""
+    from pint.errors import PintError
+
     try:
-        units = [_parsed(_spelling(text, ""), text) for text in (unit_text, other_text)]
-        return float(_registry().Quantity(1.0, units[0]).to(units[1]).magnitude)
-    except Exception:  # pint's own, of which there are many: these two units cannot be compared
+        unit, other = (_parsed(_spelling(text, ""), text) for text in (unit_text, other_text))
+        zero, one = (float(_registry().Quantity(each, unit).to(other).magnitude) for each in (0.0, 1.0))
+    except (_UnitError, PintError):
         return None
+    return None if zero else one
 
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")

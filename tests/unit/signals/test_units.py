@@ -8,7 +8,14 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._units import conversion_to_si, measured_in, measures, parse_quantity, quantity_with_suffix
+from musclewire.signals._units import (
+    conversion_to_si,
+    measured_in,
+    measures,
+    parse_quantity,
+    quantity_with_suffix,
+    scale_between,
+)
 
 WHERE = "loop.csv: column 'Force'"
 
@@ -168,3 +175,19 @@ def test_a_number_of_a_file_is_bounded_like_its_text(unit: str, most: float) -> 
 def test_a_quantity_in_a_comment_gives_its_value_and_the_suffix_of_its_name(text, expected):
     found = quantity_with_suffix(text)
     assert found == (expected if expected is None else (pytest.approx(expected[0]), expected[1]))
+
+
+@pytest.mark.parametrize(
+    ("unit", "other", "scale"),
+    [
+        ("mV", "V", 1e-3),
+        ("Volt DC", "V", 1.0),
+        ("degC", "degC", 1.0),
+        ("degC", "K", None),
+        ("degF", "degC", None),
+        ("V", "mm", None),
+        ("no unit", "V", None),
+    ],
+)
+def test_a_factor_between_units_is_none_where_no_factor_does(unit: str, other: str, scale: float | None) -> None:
+    assert scale_between(unit, other) == (None if scale is None else pytest.approx(scale))
