@@ -519,16 +519,15 @@ def drive_doubts(columns: Columns, usable: Rows) -> list[str]:
 
 def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
     """Return by how many rows a drive is later than voltage and current, 0 if that is not plain; half a row is none."""
-    # Here, because it takes longer to load than all that reads a file.
-    from scipy.signal import correlate
-
     every = -(-drive_v.size // MAX_LATE_ROWS)
     drive_v, readings = drive_v[::every], readings[::every]
     count, off = drive_v.size, misfit(drive_v, readings, 0)
     if count < MIN_LATE_ROWS or off < MIN_LATE_MISFIT:
         return 0
-    found, most = correlate(drive_v - drive_v.mean(), readings[:, 0] - readings[:, 0].mean(), method="fft"), count // 4
-    late, step = int(np.argmax(found[count - 1 - most : count + most])) - most, most // 4
+    # By NumPy: SciPy's correlation loads for longer than a board waits for its next command.
+    spectra = np.fft.rfft([drive_v - drive_v.mean(), readings[:, 0] - readings[:, 0].mean()], 2 * count)
+    found, most = np.fft.irfft(spectra[0] * spectra[1].conj()), count // 4
+    late, step = int(np.argmax(found[np.arange(-most, most + 1)])) - most, most // 4
     # The products of slow courses favour a long overlap: from their largest on the course itself decides.
     while step:
         nearest = min((late, late - step, late + step), key=lambda rows: misfit(drive_v, readings, rows))
