@@ -19,25 +19,9 @@ def normalised_resistance(
 def normalised_resistance(
     resistance_ohm: float | FloatArray, resistance_min_ohm: float, resistance_max_ohm: float
 ) -> float | FloatArray:
-    """Return the place of a resistance in segment B-C: 0 at C (hot), 1 at B (cold) (Eq. 3).
+    """Return the place of a resistance in segment B-C: 0 at C (hot), 1 at B (cold), not clipped outside (Eq. 3).
 
-    Parameters
-    ----------
-    resistance_ohm
-        R [ohm], a number or an array of any shape.
-    resistance_min_ohm
-        R_min, resistance at C [ohm].
-    resistance_max_ohm
-        R_max, resistance at B [ohm].
-
-    Returns
-    -------
-    lambda = (R - R_min) / (R_max - R_min), in the shape of R; values outside [0, 1] are not clipped.
-
-    Raises
-    ------
-    CallerError
-        Unless 0 < R_min < R_max.
+    Raises CallerError unless 0 < R_min < R_max.
 
     References
     ----------
@@ -61,19 +45,7 @@ def evaluate(coefficients: Sequence[float], normalised_resistance: float) -> flo
 @overload
 def evaluate(coefficients: Sequence[float], normalised_resistance: FloatArray) -> FloatArray: ...
 def evaluate(coefficients: Sequence[float], normalised_resistance: float | FloatArray) -> float | FloatArray:
-    """Return the value of a polynomial by Horner's rule (Eq. 4).
-
-    Parameters
-    ----------
-    coefficients
-        Of ascending powers.
-    normalised_resistance
-        lambda, a number or an array of any shape.
-
-    Returns
-    -------
-    The value, of the shape of lambda.
-    """
+    """Return the value of a polynomial by Horner's rule (Eq. 4); the coefficients are of ascending powers."""
     total: float | FloatArray = 0.0 * normalised_resistance
     for coefficient in reversed(coefficients):
         total = total * normalised_resistance + coefficient
@@ -81,23 +53,9 @@ def evaluate(coefficients: Sequence[float], normalised_resistance: float | Float
 
 
 def average(heating: Sequence[float], cooling: Sequence[float]) -> tuple[float, ...]:
-    """Return the coefficients of the average of both branches (Eq. 5).
+    """Return the average of the coefficients of both branches, g_a = (g_h + g_c) / 2 (Eq. 5).
 
-    Parameters
-    ----------
-    heating
-        Coefficients of g_h, of ascending powers of the normalised resistance.
-    cooling
-        Coefficients of g_c, as many.
-
-    Returns
-    -------
-    Return the coefficients of g_a = (g_h + g_c) / 2.
-
-    Raises
-    ------
-    CallerError
-        If the branches are of different order.
+    Raises CallerError if the branches are of different order.
 
     References
     ----------

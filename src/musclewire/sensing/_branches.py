@@ -18,18 +18,10 @@ IN_ORDER = 0.5
 
 
 class Branch(NamedTuple):
-    """One branch of a loop, in the order in which the wire passed it, in either direction.
+    """One branch of a loop, in the order in which the wire passed it, in either direction."""
 
-    Parameters
-    ----------
-    resistance_ohm
-        Resistances [ohm], shape (n,).
-    quantity
-        The quantity measured at these resistances, shape (n,): strain as a fraction, displacement [m] or force [N].
-    """
-
-    resistance_ohm: FloatArray
-    quantity: FloatArray
+    resistance_ohm: FloatArray  # shape (n,)
+    quantity: FloatArray  # shape (n,): strain as a fraction, displacement [m] or force [N]
 
 
 def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, min_points: int = 2) -> Branch:
@@ -55,29 +47,10 @@ def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, min_p
 def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this") -> Branch:
     """Turn the samples of one branch into a curve: strictly rising resistance, one quantity at each.
 
-    Both columns are smoothed along the branch with a window scaled by their noise (none for clean data, never more than
-    3 % of the branch); then an isotonic regression of resistance on the order of the samples pools samples that still
-    run backwards, and the quantity is averaged over the same pools. Noise in resistance is thus averaged along the
-    branch and not by sorting samples into resistance bins, which would flatten the curve where it bends. A bias remains
-    at the two ends, where noise shifts the curve outwards by about twice the noise that is left after smoothing. Clean
-    data come back unchanged, so the result does not depend on how densely or evenly the branch was sampled, nor on its
-    direction.
-
-    Parameters
-    ----------
-    branch
-        Resistances [ohm] and the quantity, each of shape (n,).
-    name
-        What messages call the branch: "heating".
-
-    Returns
-    -------
-    The curve, its resistances rising.
-
-    Raises
-    ------
-    RecordingError
-        For unusable columns, or if all resistances are equal.
+    Noise in resistance is averaged along the branch, since sorting samples into resistance bins would flatten bends. A
+    bias remains at both ends, where noise shifts the curve outwards by about twice what smoothing leaves of it. Clean
+    data come back unchanged, however densely, evenly and in whichever direction they were sampled. Raises
+    RecordingError for unusable columns, or if all resistances are equal.
     """
     from scipy.optimize import isotonic_regression
 

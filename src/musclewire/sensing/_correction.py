@@ -18,23 +18,13 @@ FittedKind = TypeVar("FittedKind", bound=FittedCurve)
 
 
 class Correction(NamedTuple):
-    """What makes a model that of today, as a Gaussian estimate of two numbers; nothing by default, and that believed.
+    """What makes a model that of today: a Gaussian estimate of two numbers, by default certainly of no change."""
 
-    Parameters
-    ----------
-    scale
-        The model's resistance over today's.
-    zero
-        What a model says in its own unit where the wire of today is at zero.
-    scale_variance, covariance, zero_variance
-        Of the scale's logarithm and the zero, which is in the unit of the quantity.
-    """
-
-    scale: float = 1.0
-    zero: float = 0.0
-    scale_variance: float = 0.0
-    covariance: float = 0.0
-    zero_variance: float = 0.0
+    scale: float = 1.0  # the model's resistance over today's
+    zero: float = 0.0  # what a model says in its own unit where the wire of today is at zero
+    scale_variance: float = 0.0  # of the scale's logarithm
+    covariance: float = 0.0  # of the scale's logarithm and the zero
+    zero_variance: float = 0.0  # in the square of the quantity's unit
 
     @property
     def is_believed(self) -> bool:
@@ -47,9 +37,9 @@ class Correction(NamedTuple):
         return max(by_scale * by_scale * self.scale_variance + of_zero, 0.0)
 
     def informed(self, missed: float, by_scale: float, by_zero: float, variance: float) -> Correction:
-        """Return it after what it predicts was found to be too large by so much, within a variance (Kalman).
+        """Return the correction after a Kalman update: its prediction missed by so much, within a variance.
 
-        A change of the scale's logarithm, and one of the zero, change the prediction by so much each.
+        A change of the scale's logarithm, and one of the zero, change the prediction by ``by_scale`` and ``by_zero``.
         """
         with_scale = by_scale * self.scale_variance + by_zero * self.covariance
         with_zero = by_scale * self.covariance + by_zero * self.zero_variance

@@ -54,7 +54,7 @@ N_CURVE = len(CURVE_NUMBERS)
 def branches(coefficients: FloatArray, normalised: float) -> tuple[float, float, float]:
     """Return g_h, g_c and the slope of their sum at a normalised resistance (Eq. 4): one pass by Horner's rule.
 
-    The coefficients are those of both branches in turns, heating first, from the highest power on.
+    The coefficients are of both branches in turns, heating first, from the highest power on.
     """
     heating = cooling = slope = 0.0 * normalised
     for place in range(0, coefficients.shape[0], 2):
@@ -114,39 +114,19 @@ MAX_NUMBER = 1e12
 
 
 class CurveEstimate(NamedTuple):
-    """The estimate from one resistance: value, standard deviation and validity.
+    """The estimate from one resistance: value, standard deviation and validity."""
 
-    Parameters
-    ----------
-    value
-        The quantity: strain as a fraction, displacement [m] or force [N].
-    std
-        Its standard deviation, in the same unit.
-    valid
-        Whether the resistance was in the valid range.
-    """
-
-    value: float
+    value: float  # strain as a fraction, displacement [m] or force [N]
     std: float
-    valid: bool
+    valid: bool  # whether the resistance was in the valid range
 
 
 class ArrayEstimate(NamedTuple):
-    """The estimates from many resistances, in three arrays of the shape of the resistances.
+    """The estimates from many resistances, in three arrays of the shape of the resistances."""
 
-    Parameters
-    ----------
-    value
-        The quantities: strain as a fraction, displacement [m] or force [N].
-    std
-        Their standard deviations, in the same unit.
-    valid
-        Which resistances were in the valid range.
-    """
-
-    value: FloatArray
+    value: FloatArray  # strain as a fraction, displacement [m] or force [N]
     std: FloatArray
-    valid: npt.NDArray[np.bool_]
+    valid: npt.NDArray[np.bool_]  # whether each resistance was in the valid range
 
 
 @dataclass(frozen=True)

@@ -125,22 +125,9 @@ ESTIMATORS: Registry[EstimatorFactory] = Registry(
 def dropout_failure(
     dropouts: int, sample: WireSample | RawSample, allowed: int = MAX_DROPOUTS, pulls: str = "wire"
 ) -> str:
-    """Return why a run must end after a number of samples in a row without current; "" while they are bridged.
+    """Return why a run must end after so many samples in a row without current; "" while they are bridged.
 
-    Parameters
-    ----------
-    dropouts
-        Samples without current in a row, this one included.
-    sample
-        The last of them.
-    allowed
-        Number that ends a run; the default bridges half a second at the paper's 50 ms.
-    pulls
-        "wire", or "wires" if several share the circuit.
-
-    Returns
-    -------
-    One sentence for a ``RigError``, or "".
+    The default bridges half a second at the paper's 50 ms. ``pulls`` is "wires" if several share the circuit.
     """
     if dropouts < allowed:
         return ""
@@ -153,19 +140,7 @@ def dropout_failure(
 def estimates(
     estimator: Estimator, samples: Iterable[WireSample]
 ) -> Iterator[tuple[QuantityEstimate, tuple[float, ...]]]:
-    """Estimate samples in order from the estimator's start.
-
-    Parameters
-    ----------
-    estimator
-        An estimator.
-    samples
-        The measured samples, in order.
-
-    Returns
-    -------
-    For each sample the estimate, and the numbers that the estimator records.
-    """
+    """Yield each sample's estimate, from the estimator's start on, and the numbers that the estimator records."""
     state = estimator.start()
     for sample in samples:
         estimate, state, recorded = estimator.step(state, sample)

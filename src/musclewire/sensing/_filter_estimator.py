@@ -47,53 +47,30 @@ class FilterNumbers(NamedTuple):
     """Numbers of the method, chosen by ``python studies/filter_numbers.py choose`` on wires of the tuning seeds.
 
     Powers count in the loop's middle power, resistance in R_max - R_min, times in seconds.
-
-    Parameters
-    ----------
-    power_walk
-        Random walk of the steady power, per square root of a second.
-    power_part
-        Error of its change in a sample, as a part of it: what the heat balance leaves out.
-    shift_std
-        Deviation of the shift of the branches by other air.
-    loss_walk
-        Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as
-        the covariance expects; it is in proportion to the mean of their squares, so that it is agile in draughts and
-        rests in still air. A run begins without any surprise, and so a first rise that is a little faster than the
-        model's is not taken for calmer air. By estimates alone half of it is as good; loops in draughts are better
-        with it.
-    unrest_s
-        Time over which these squares are taken.
-    place_walk
-        Random walk of the place, per square root of a second.
-    walked_s
-        A run begins with what the walks have become after this time, and learns the noise of readings over it.
-    resistance_std
-        Error of the model's resistance.
-    phase_lag
-        How late between the branches the R-phase's resistance comes: 0 in proportion to the way, 1 with its square.
-    looseness
-        How far the place follows the power between the branches already, as a part of what the branch ahead does: 0
-        is a play, and with 1 there is none.
-    surprise
-        Squared deviations by which a reading may surprise before the state counts as less certain; a second difference
-        of readings counts for their noise as no more.
-    range_std
-        What differs from wire to wire, as a part of the range of the quantity.
     """
 
-    power_walk: float = 0.0083
-    power_part: float = 0.42
-    shift_std: float = 0.04
+    power_walk: float = 0.0083  # random walk of the steady power, per square root of a second
+    power_part: float = 0.42  # error of its change in a sample, as a part of it: what the heat balance leaves out
+    shift_std: float = 0.04  # deviation of the shift of the branches by other air
+    # Random walk of the factor of the heat loss, per square root of a second, where readings surprise as much as the
+    # covariance expects; in proportion to the mean of their squares, so that it is agile in draughts and rests in still
+    # air. A run begins without any surprise, and so a first rise that is a little faster than the model's is not taken
+    # for calmer air. By estimates alone half of it is as good; loops in draughts are better with it.
     loss_walk: float = 0.02
-    unrest_s: float = 6.0
-    place_walk: float = 0.0007
+    unrest_s: float = 6.0  # time over which these squares are taken
+    place_walk: float = 0.0007  # per square root of a second
+    # A run begins with what the walks have become after this time, and learns the noise of readings over it.
     walked_s: float = 30.0
-    resistance_std: float = 0.0035
+    resistance_std: float = 0.0035  # error of the model's resistance
+    # How late between the branches the R-phase's resistance comes: 0 in proportion to the way, 1 with its square.
     phase_lag: float = 0.5
+    # How far the place follows the power between the branches already, as a part of what the branch ahead does: 0 is a
+    # play, and with 1 there is none.
     looseness: float = 0.042
+    # Squared deviations by which a reading may surprise before the state counts as less certain; a second difference of
+    # readings counts for their noise as no more.
     surprise: float = 9.0
-    range_std: float = 0.006
+    range_std: float = 0.006  # what differs from wire to wire, as a part of the range of the quantity
 
 
 FILTER = FilterNumbers()
@@ -120,54 +97,26 @@ MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
 
 
 class FilterState(NamedTuple):
-    """State of the filter between two samples; all are numbers.
+    """State of the filter between two samples; all are numbers."""
 
-    Parameters
-    ----------
-    value
-        The last value: the quantity, and on a known spring the friction.
-    friction_n
-        The friction [N] on a known spring.
-    dropouts, mismatches
-        Samples in a row without current, and with another wire's resistance.
-    spring_known, spring_force_n
-        1 once the force of a known spring has been estimated, and the last one [N].
-    followed
-        1 once there has been a sample; before it the numbers below do not count.
-    time_s
-        Time of the last sample that was read.
-    before, before_last
-        The last two readings of the normalised resistance.
-    noise_v2, learnt_s
-        Variance of a reading, referred to the shunt's voltage [V2], and the time from which it is known [s].
-    unrest
-        By how much readings surprise of late: the mean of the squares, in what the covariance expects.
-    steady_w, place, shift_w, loss
-        The mean: steady power [W], place, shift of the branches [W], and factor of the heat loss.
-    covariance_00, covariance_10, covariance_11, covariance_20, covariance_21, covariance_22
-        The lower triangle of the covariance of these four, row by row.
-    covariance_30, covariance_31, covariance_32, covariance_33
-        Its last row.
-    """
-
-    value: float
-    friction_n: float
-    dropouts: float = 0.0
-    mismatches: float = 0.0
-    spring_known: float = 0.0
+    value: float  # the quantity, and on a known spring the friction
+    friction_n: float  # on a known spring
+    dropouts: float = 0.0  # samples in a row without current
+    mismatches: float = 0.0  # samples in a row with another wire's resistance
+    spring_known: float = 0.0  # 1 once the force of a known spring has been estimated
     spring_force_n: float = 0.0
-    followed: float = 0.0
+    followed: float = 0.0  # 1 once there has been a sample; before it the numbers below do not count
     time_s: float = 0.0
-    before: float = 0.0
+    before: float = 0.0  # the last two readings of the normalised resistance
     before_last: float = 0.0
-    noise_v2: float = 0.0
-    learnt_s: float = 0.0
-    unrest: float = 0.0
-    steady_w: float = 0.0
+    noise_v2: float = 0.0  # variance of a reading, referred to the shunt's voltage
+    learnt_s: float = 0.0  # time from which the variance is known
+    unrest: float = 0.0  # mean of the squares by which readings surprise, in what the covariance expects
+    steady_w: float = 0.0  # the mean: steady power, place, shift of the branches and factor of the heat loss
     place: float = 0.0
     shift_w: float = 0.0
     loss: float = 1.0
-    covariance_00: float = 0.0
+    covariance_00: float = 0.0  # lower triangle of the covariance of these four, row by row
     covariance_10: float = 0.0
     covariance_11: float = 0.0
     covariance_20: float = 0.0
@@ -561,21 +510,7 @@ def quantity_of(filtered: Filtered, coefficients: FloatArray, read: float, noise
 class FilterEstimator(CurveEstimator):
     """Estimates by a Kalman filter on the wire's heat balance, with a play between its branches.
 
-    Parameters
-    ----------
-    model
-        The wire's resistance curve, with the slow loop that it was fitted to.
-    shunt_resistance_ohm
-        R [ohm] of Eq. 1.
-    load
-        A known spring, if the curve is one of the force on it; its friction is added in the direction of motion.
-    method
-        Numbers of the method.
-
-    Raises
-    ------
-    CallerError
-        For a model without a slow loop, or with one that does not go through B to C.
+    Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
 
     columns = ("wire_resistance_ohm", *WireEstimate._fields)
@@ -603,7 +538,7 @@ class FilterEstimator(CurveEstimator):
 def filter_numbers(
     model: FittedCurve, shunt_resistance_ohm: float, method: FilterNumbers = FILTER
 ) -> tuple[dict[str, float], FloatArray]:
-    """Return wire's and method's numbers by name, those that the tick has as literals too, and the tables.
+    """Return wire's and method's numbers by name, also as the tick's literals, and the tables.
 
     The tick's row is made from them, and the header of its form in C.
     """
@@ -644,15 +579,5 @@ def compile_estimators() -> None:
 
 
 def filter_estimator(setup: EstimatorSetup) -> FilterEstimator:
-    """Return the Kalman filter on the wire's model for a loop.
-
-    Parameters
-    ----------
-    setup
-        Model, shunt, and the known spring if force is estimated.
-
-    Returns
-    -------
-    The estimator.
-    """
+    """Return the Kalman filter on the wire's model for a loop."""
     return FilterEstimator(setup.model, setup.shunt_resistance_ohm, setup.load)

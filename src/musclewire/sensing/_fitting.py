@@ -44,16 +44,9 @@ RMSE_SLICES = 100
 
 
 class HotEnd(NamedTuple):
-    """What is known of a loop's hottest point besides its resistance and strain.
+    """What is known of a loop's hottest point besides its resistance and strain."""
 
-    Parameters
-    ----------
-    levelled
-        Whether the fall of the resistance over power has levelled off there, which is C as much as a rise is.
-    more_drive
-        What more drive would do, in words.
-    """
-
+    # The fall of the resistance over power has levelled off there, which is C as much as a rise is.
     levelled: bool = False
     more_drive: str = "raise the amplitude if more drive adds stroke and the wire's temperature and stress permit"
 
@@ -74,39 +67,9 @@ def fit_loop(
 ) -> SensingModel:
     """Fit a model to one loop of a recording: find A, B, C (Fig. 3b), fit B to C on both branches (Eqs. 3 to 5).
 
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance [ohm], shape (n_times,).
-    strain
-        Strain as a fraction, displacement [m] or force [N], shape (n_times,), contraction positive.
-    valid
-        Which samples have current, shape (n_times,); all if None.
-    order
-        Order of the polynomials: a number, the paper's is 6, or "auto" for the one that cross-validation chooses.
-    cycle
-        Choice of the cycle, as in :func:`find_segments`; the last by default, since the first ones of a wire differ.
-    quantity
-        Quantity in ``strain``: "strain", "displacement" or "force".
-    wire
-        Notes on the wire, kept in the model.
-    source
-        Source of the recording, kept in the model.
-    hot_end
-        What else is known of the hottest point, for the warnings.
-
-    Returns
-    -------
-    The model.
-
-    Raises
-    ------
-    RecordingError
-        If the recording holds no usable loop, or too few points for the order.
-    FitRejectedError
-        If the average polynomial cannot be inverted.
-    CallerError
-        For wrong arguments.
+    The columns have shape (n_times,), contraction is positive. ``order`` is a number, the paper's is 6, or "auto" for
+    cross-validation; ``cycle`` as in :func:`find_segments`. Raises RecordingError for no usable loop or too few points,
+    FitRejectedError if the average polynomial cannot be inverted, CallerError for wrong arguments.
 
     References
     ----------
@@ -125,36 +88,7 @@ def fit_segments(
     source: str = "",
     hot_end: HotEnd = UNKNOWN_HOT_END,
 ) -> SensingModel:
-    """Fit a model to a loop whose points A, B, C are known.
-
-    Parameters
-    ----------
-    segments
-        The loop.
-    order
-        As in :func:`fit_loop`.
-    quantity
-        As in :func:`fit_loop`.
-    wire
-        As in :func:`fit_loop`.
-    source
-        As in :func:`fit_loop`.
-    hot_end
-        As in :func:`fit_loop`.
-
-    Returns
-    -------
-    The model.
-
-    Raises
-    ------
-    RecordingError
-        If there are too few points for the order.
-    FitRejectedError
-        If the average polynomial cannot be inverted.
-    CallerError
-        For wrong arguments.
-    """
+    """Fit a model to a loop whose points A, B, C are known; arguments as in :func:`fit_loop`, and raises as it does."""
     model = fit_branches(
         segments.heating,
         segments.cooling,
@@ -185,44 +119,11 @@ def fit_branches(
     wire: Mapping[str, str | float] | None = None,
     source: str = "",
 ) -> SensingModel:
-    """Fit a model to the heating and the cooling branch of segment B-C.
+    """Fit a model to the heating and the cooling branch of segment B-C, each in either direction.
 
     Fits run over the normalised resistances in [0, 1] that both branches have, weighted evenly over resistance (see
-    ``fit_points``), and the model is valid where the average falls there.
-
-    Parameters
-    ----------
-    heating
-        Resistances [ohm] and quantity, each of shape (n,), in either direction.
-    cooling
-        The same of the other branch.
-    order
-        As in :func:`fit_loop`.
-    resistance_min_ohm
-        R_min [ohm]; that of the heating branch if None. Give it if the branches do not reach C (a printed table).
-    resistance_max_ohm
-        R_max [ohm]; that of the heating branch if None. Give it if the branches do not reach B.
-    quantity
-        As in :func:`fit_loop`.
-    wire
-        As in :func:`fit_loop`.
-    source
-        As in :func:`fit_loop`.
-    hot_end
-        As in :func:`fit_loop`.
-
-    Returns
-    -------
-    The model.
-
-    Raises
-    ------
-    RecordingError
-        For unusable columns, or too few points for the order.
-    FitRejectedError
-        If the average polynomial cannot be inverted.
-    CallerError
-        For wrong arguments.
+    ``fit_points``), and the model is valid where the average falls there. Give R_min and R_max if the branches do not
+    reach C and B (a printed table). Raises the errors of :func:`fit_loop`.
 
     References
     ----------

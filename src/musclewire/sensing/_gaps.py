@@ -13,30 +13,11 @@ AnyBranch = tuple[npt.ArrayLike, npt.ArrayLike]
 
 
 def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None) -> float:
-    """Return the mean distance of the two branches at equal resistance, as a fraction of the maximal quantity.
+    """Return the mean distance of the branches at equal resistance: (1/k) sum |S_h - S_c| / S_max.
 
-    Parameters
-    ----------
-    heating
-        Resistances [ohm] and quantity, each of shape (n,), in either direction; see :func:`single_valued` for how
-        they become curves, and for its small bias under noise.
-    cooling
-        The same of the other branch.
-    points
-        k, the number of resistances compared, evenly spaced over the range that both branches have.
-    maximum
-        S_max, if the loop reaches further than the branches; their largest quantity if None.
-
-    Returns
-    -------
-    (1/k) sum |S_h - S_c| / S_max, without the paper's factor of 100 %.
-
-    Raises
-    ------
-    RecordingError
-        If the branches share no resistances, or the largest quantity is not positive.
-    CallerError
-        If ``points`` is under 1.
+    A fraction, without the paper's 100 %, at k ``points`` evenly spaced over the range that both branches have;
+    ``maximum`` is S_max if the loop reaches further than they. :func:`single_valued` has a small bias under noise.
+    Raises RecordingError if the branches share no resistances, or the largest quantity is not positive.
 
     References
     ----------
@@ -51,27 +32,8 @@ def signed_hysteresis_gap(
 ) -> float:
     """Return the mean of heating minus cooling at equal resistance, as a fraction of the maximal quantity.
 
-    Parameters
-    ----------
-    heating
-        As in :func:`hysteresis_gap`, which is the mean of the absolute differences.
-    cooling
-        As in :func:`hysteresis_gap`.
-    points
-        As in :func:`hysteresis_gap`.
-    maximum
-        As in :func:`hysteresis_gap`.
-
-    Returns
-    -------
-    The fraction, positive if heating lies above cooling. If it differs in size from the gap the branches cross.
-
-    Raises
-    ------
-    RecordingError
-        If the branches share no resistances, or the largest quantity is not positive.
-    CallerError
-        If ``points`` is under 1.
+    Arguments and errors as of :func:`hysteresis_gap`. Where the two differ in size the branches cross. It raises the
+    same.
     """
     differences, largest = _differences(heating, cooling, points, maximum)
     return float(np.mean(differences)) / largest

@@ -23,24 +23,13 @@ TURNING_M = 85e-6
 class KnownSpring:
     """A spring pulled by the wire, and the friction of the guide, both known beforehand.
 
-    Parameters
-    ----------
-    stiffness_n_per_m
-        Stiffness of the spring [N/m].
-    friction_n
-        Coulomb friction of the guide [N]; none by default.
-    turning_m
-        Travel after a reversal over which friction reverses [m]. Four times that of the simulated guide, since a
-        displacement read from resistance is uncertain by more.
-
-    Raises
-    ------
-    CallerError
-        For a stiffness or turning travel not above 0, or a negative friction.
+    Raises CallerError for a stiffness or turning travel not above 0, or a negative friction.
     """
 
     stiffness_n_per_m: float
     friction_n: float = 0.0
+    # Travel after a reversal over which friction reverses; four times that of the simulated guide, since a displacement
+    # read from resistance is uncertain by more.
     turning_m: float = TURNING_M
 
     def __post_init__(self) -> None:
@@ -56,9 +45,8 @@ class KnownSpring:
 def force_model(model: SensingModel, stiffness_n_per_m: float, leg_length_m: float) -> SensingModel:
     """Return a model of the contraction force on a spring [N] from one of strain or of the connector's displacement.
 
-    It has no gains: a loop takes those of the model that it was made from. ``leg_length_m`` turns strain into
-    displacement. It does not include friction: the average of both branches has none. Raises CallerError for a model of
-    force, and for a stiffness or length not above 0.
+    It has no gains, as a loop takes those of the original model, and no friction, as the average of both branches has
+    none. Raises CallerError for a model of force, and for a stiffness or length not above 0.
     """
     if model.quantity == "force":
         raise CallerError(

@@ -32,8 +32,7 @@ class LoopPoints:
 def points_of(half: HalfCycle, measured_ohm: FloatArray, curves: SmoothedRecording) -> LoopPoints:
     """Return A, B, C of a half cycle: B and C span the main fall of resistance, A is the last cold sample before B.
 
-    A cooling half cycle read backwards is like a heating one, so that both are treated alike. Where the half cycle
-    does not return to cold, B is its turning point.
+    A cooling half cycle is read backwards. Where the half cycle does not return to cold, B is its turning point.
     """
     inside = slice(half.first, half.last + 1)
     step = 1 if half.rising else -1
@@ -54,10 +53,9 @@ def points_of(half: HalfCycle, measured_ohm: FloatArray, curves: SmoothedRecordi
 
 
 def fall_from_b_to_c(resistance_ohm: FloatArray, min_bump_ohm: float) -> tuple[int, int]:
-    """Return the samples of B and C on a half cycle from cold to hot.
+    """Return the samples of B and C on a half cycle from cold to hot, which span the largest fall of resistance.
 
-    They span the largest fall, unless a maximum nearer to C, from which the resistance falls by nearly as much, parts
-    it: then that is B, however much the wire or the noise reads when cold.
+    A maximum nearer to C, from which the resistance falls by nearly as much, is B, however much a cold wire reads.
     """
     highest = np.maximum.accumulate(resistance_ohm)
     c = int(np.argmax(highest - resistance_ohm))

@@ -31,43 +31,19 @@ OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
 
 
 class PolynomialState(NamedTuple):
-    """State of the paper's estimator between two samples; all are numbers.
+    """State of the paper's estimator between two samples; all are numbers."""
 
-    Parameters
-    ----------
-    value
-        The last value: the quantity, and on a known spring the friction.
-    friction_n
-        The friction [N] on a known spring. A wire that was warmed up has been contracting: it pulls against it.
-    dropouts, mismatches
-        Samples in a row without current, and with another wire's resistance.
-    tracked
-        1 once there has been a sample within the range; before it the segment does not count.
-    sensing
-        1 if strain can be sensed: the wire is between B and C.
-    heating
-        1 if power has last been rising.
-    power_extreme_w
-        Extreme of the power since it turned [W].
-    resistance_anchor_ohm
-        Resistance from which a change in the opposite direction is counted [ohm].
-    smoothed_ohm
-        Resistance, smoothed over eight samples [ohm].
-    spring_known, spring_force_n
-        1 once the force of a known spring has been estimated, and the last one [N].
-    """
-
-    value: float
-    friction_n: float
-    dropouts: float = 0.0
-    mismatches: float = 0.0
-    tracked: float = 0.0
-    sensing: float = 0.0
-    heating: float = 0.0
-    power_extreme_w: float = 0.0
-    resistance_anchor_ohm: float = 0.0
-    smoothed_ohm: float = 0.0
-    spring_known: float = 0.0
+    value: float  # the quantity, and on a known spring the friction
+    friction_n: float  # on a known spring; a wire that was warmed up has been contracting and pulls against it
+    dropouts: float = 0.0  # samples in a row without current
+    mismatches: float = 0.0  # samples in a row with another wire's resistance
+    tracked: float = 0.0  # 1 once there has been a sample within the range; before it the segment does not count
+    sensing: float = 0.0  # 1 if strain can be sensed: the wire is between B and C
+    heating: float = 0.0  # 1 if power has last been rising
+    power_extreme_w: float = 0.0  # extreme since the power turned
+    resistance_anchor_ohm: float = 0.0  # from which a change in the opposite direction is counted
+    smoothed_ohm: float = 0.0  # over eight samples
+    spring_known: float = 0.0  # 1 once the force of a known spring has been estimated
     spring_force_n: float = 0.0
 
 
@@ -130,15 +106,5 @@ class PolynomialEstimator(CurveEstimator):
 
 
 def polynomial_estimator(setup: EstimatorSetup) -> PolynomialEstimator:
-    """Return the paper's estimator for a loop.
-
-    Parameters
-    ----------
-    setup
-        Model, shunt, and the known spring if force is estimated.
-
-    Returns
-    -------
-    The estimator.
-    """
+    """Return the paper's estimator for a loop."""
     return PolynomialEstimator(setup.model.curve(), setup.shunt_resistance_ohm, setup.load)

@@ -36,9 +36,9 @@ class FitPoints:
 class PolynomialFit:
     """Ascending power coefficients in normalised resistance, with their uncertainty from the residuals.
 
-    ``covariance`` has shape (order + 1, order + 1). Neighbouring residuals are correlated, so it is
-    widened by (1 + r) / (1 - r), with r their correlation. A curve through all points leaves no residuals:
-    then standard errors and covariance are zero, meaning unknown, and ``spare_points`` is 0.
+    ``covariance``, (order + 1, order + 1), is widened by (1 + r) / (1 - r), r the correlation of neighbouring
+    residuals. A curve through all points has 0 ``spare_points``, and standard errors and covariance of zero mean
+    unknown.
     """
 
     coefficients: tuple[float, ...]
@@ -50,9 +50,8 @@ class PolynomialFit:
 def fit_points(curve: Branch, resistance_min_ohm: float, resistance_max_ohm: float) -> FitPoints:
     """Prepare a single-valued branch for fitting, so that uneven sampling in time has no influence on the fit.
 
-    More than 200 points are averaged in 200 equal slices of normalised resistance. The weight of a
-    point is then the interval of normalised resistance around it (half the way to either neighbour), at most
-    four times the median: the fit minimises the mean square error over resistance, not over time.
+    More than 200 points are averaged in as many slices of normalised resistance. A point weighs as much as the interval
+    around it, at most four times the median: the fit minimises the mean square error over resistance, not over time.
     """
     fraction = normalised_resistance(curve.resistance_ohm, resistance_min_ohm, resistance_max_ohm)
     quantity = curve.quantity
@@ -69,11 +68,10 @@ def fit_points(curve: Branch, resistance_min_ohm: float, resistance_max_ohm: flo
 
 
 def fit_polynomial(points: FitPoints, order: int, name: str = "this") -> PolynomialFit:
-    """Least squares of a polynomial of ``order`` (Lan and Fan 2010, Eq. 4, there of order 6).
+    """Fit a polynomial of ``order`` by least squares (Lan and Fan 2010, Eq. 4, there of order 6).
 
-    Solved in Chebyshev polynomials over the range of the points, where it is well conditioned, and returned
-    as power coefficients. Raises RecordingError if the branch has too few points for the order, CallerError
-    for an order outside 1 to 15.
+    Solved in Chebyshev polynomials, where it is well conditioned, and returned as power coefficients. Raises
+    RecordingError for too few points for the order, CallerError for an order outside 1 to 15.
     """
     check_order(order)
     count = points.normalised_resistance.size
@@ -103,11 +101,10 @@ def check_order(order: int) -> None:
 
 
 def choose_order(branches: Sequence[FitPoints], max_order: int = 9) -> int:
-    """Return one order for all branches, chosen by cross-validation.
+    """Return the lowest order for all branches within one standard error of the best by cross-validation.
 
-    Neighbouring samples are correlated, so leaving out single ones would always favour high orders. Each
-    branch is cut into up to 30 contiguous blocks dealt to 5 folds in turn; a fold's blocks are left out
-    together. The lowest of all orders within one standard error of the best is taken.
+    Neighbouring samples are correlated, so that blocks of them are left out: leaving out single ones would favour high
+    orders.
     """
     smallest = min(points.normalised_resistance.size for points in branches)
     candidates = range(1, max(min(max_order, smallest * (FOLDS - 1) // FOLDS - 1), 1) + 1)

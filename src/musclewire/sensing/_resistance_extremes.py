@@ -27,31 +27,15 @@ MAX_LEFT_OUT = 0.01
 
 
 class ResistanceExtremes(NamedTuple):
-    """Points B and C of a heating sweep, with their indices in the recording.
-
-    Parameters
-    ----------
-    resistance_min_ohm
-        Resistance at C [ohm].
-    resistance_max_ohm
-        Resistance at B [ohm].
-    index_b
-        Sample next to B.
-    index_c
-        Sample of C.
-    saw_b
-        Whether the resistance rose before B: only then is it the start of the transformation and not merely that of the
-        sweep.
-    saw_c
-        Whether it rises again after C: only then is it the end of the transformation.
-    """
+    """Points B and C of a heating sweep, with their indices in the recording."""
 
     resistance_min_ohm: float
     resistance_max_ohm: float
-    index_b: int
+    index_b: int  # sample next to B
     index_c: int
+    # Whether the resistance rose before B: only then does the transformation begin there, and not merely the sweep.
     saw_b: bool
-    saw_c: bool
+    saw_c: bool  # whether it rises again after C: only then does the transformation end there
 
 
 def find_resistance_extremes(
@@ -59,28 +43,10 @@ def find_resistance_extremes(
     drive_voltage_v: npt.ArrayLike | None = None,
     valid: npt.ArrayLike | None = None,
 ) -> ResistanceExtremes:
-    """Find R_max (B) and R_min (C) of one slow heating sweep from the resistance alone.
+    """Find R_max (B) and R_min (C) of one slow heating sweep: the ends of the main fall of its resistance.
 
-    The two span the main fall of the resistance; B is found as on a loop (:func:`find_segments`).
-
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance [ohm], shape (n_times,).
-    drive_voltage_v
-        Drive [V], shape (n_times,). With it only samples up to shortly after its last maximum are read, so that the
-        sweep may also cool again; None if it only heats.
-    valid
-        Which samples have current, shape (n_times,); all if None.
-
-    Returns
-    -------
-    Both points.
-
-    Raises
-    ------
-    RecordingError
-        For fewer than 20 usable samples, or no fall of resistance of 1 % and of ten times the noise.
+    With the drive only samples up to shortly after its last maximum are read, so that the sweep may also cool again.
+    Raises RecordingError for fewer than 20 usable samples, or no fall of resistance of 1 % and of ten times the noise.
 
     References
     ----------
@@ -151,7 +117,7 @@ def _heating(
 
 
 def readings_first(usable: int, samples: int) -> str:
-    """Return advice on the readings if a part of them cannot be used, "" if they are sound.
+    """Return advice on the readings if a part cannot be used, "" if they are sound.
 
     As long as readings are missing, nothing is known that more drive would mend.
     """

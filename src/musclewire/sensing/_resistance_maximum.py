@@ -36,17 +36,9 @@ MOVES = 2
 
 
 class ResistanceMaximum(NamedTuple):
-    """The maximum of a resistance that was sampled one after the other.
+    """The maximum of a resistance that was sampled one after the other."""
 
-    Parameters
-    ----------
-    place
-        Where, in samples from the first one; between two samples as a rule.
-    resistance_ohm
-        The resistance there [ohm].
-    """
-
-    place: float
+    place: float  # in samples from the first one; between two samples as a rule
     resistance_ohm: float
 
 
@@ -55,22 +47,8 @@ def resistance_maximum(
 ) -> ResistanceMaximum:
     """Return the maximum around a sample: that of the polynomial that suffices through the samples around it.
 
-    Parameters
-    ----------
-    measured_ohm
-        Resistance in the order of the samples, (n_times,) [ohm].
-    smoothed_ohm
-        The same smoothed as far as its noise requires, (n_times,) [ohm].
-    near
-        The sample of the largest smoothed resistance.
-    fall_ohm
-        Fall of resistance from there to C [ohm]; the widest window is a fraction of it high.
-    noise_ohm
-        Standard deviation of the noise that is left in the smoothed resistance [ohm]; 0 without any.
-
-    Returns
-    -------
-    The maximum. On a curve without noise it is the curve's own, as :func:`parabola_maximum` finds it.
+    ``fall_ohm`` is that from B to C, of which the widest window has a fraction; ``noise_ohm`` what smoothing has left.
+    Without noise it is that of :func:`parabola_maximum`.
     """
     height_ohm = max(APEX_FRACTION * fall_ohm, BUMP_NOISES * noise_ohm)
     widest = above(smoothed_ohm, near, float(smoothed_ohm[near]) - height_ohm)
@@ -89,21 +67,9 @@ def resistance_maximum(
 
 
 def first_maximum(resistance_ohm: FloatArray, fall_ohm: float, noise_ohm: float) -> ResistanceMaximum | None:
-    """Return the maximum that a wire passes in its first heating: B, read from the samples around it.
+    """Return the maximum, B, that a wire passes in its first heating; None if resistance has not fallen from one.
 
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance from the start of a run on, (n_times,) [ohm].
-    fall_ohm
-        Fall of resistance from B to C [ohm].
-    noise_ohm
-        Standard deviation of one resistance [ohm].
-
-    Returns
-    -------
-    The maximum; None if the resistance has not fallen from one. A fast heating has a few samples around it, and their
-    parabola reads it; a slow one is read as a slow loop is.
+    A fast heating has few samples around it, read by a parabola; a slow one is read as a slow loop is.
     """
     fallen = np.maximum.accumulate(resistance_ohm) - resistance_ohm
     passed = np.flatnonzero(fallen > max(PASSED_FRACTION * fall_ohm, BUMP_NOISES * noise_ohm))
@@ -114,19 +80,7 @@ def first_maximum(resistance_ohm: FloatArray, fall_ohm: float, noise_ohm: float)
 
 
 def parabola_maximum(resistance_ohm: FloatArray, peak: int) -> ResistanceMaximum:
-    """Return the maximum of a curve without noise: the vertex of the parabola through a peak and its two neighbours.
-
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance in the order of the samples, (n_times,) [ohm].
-    peak
-        The sample of the largest resistance; at an end of the samples it is the maximum itself.
-
-    Returns
-    -------
-    The maximum, at most half a sample from the peak.
-    """
+    """Return the maximum of a curve without noise: the vertex of the parabola through a peak and its two neighbours."""
     at = float(resistance_ohm[peak])
     if not 0 < peak < resistance_ohm.size - 1:
         return ResistanceMaximum(float(peak), at)
@@ -207,7 +161,7 @@ class _WindowPolynomials(NamedTuple):
 
 @lru_cache(maxsize=32)
 def orthonormal(samples: int) -> tuple[FloatArray, FloatArray]:
-    """Return polynomials that are orthonormal on evenly spaced places, and a cubic's powers from its parts in them.
+    """Return polynomials orthonormal on evenly spaced places, and the powers of a cubic from its parts in them.
 
     The first has shape (samples, n_orders), n_orders at most 10, the second (4, 4).
     """

@@ -33,18 +33,10 @@ STATE_ROW = row_type(STATE)
 
 
 class SegmentCourse(NamedTuple):
-    """Where a wire is in each sample of a recording.
+    """Where a wire is in each sample of a recording, each of shape (n_times,)."""
 
-    Parameters
-    ----------
-    sensing
-        Whether strain can be sensed: the wire is between B and C, shape (n_times,).
-    anchor_ohm
-        Resistance from which a change in the opposite direction is counted [ohm], shape (n_times,).
-    """
-
-    sensing: npt.NDArray[np.bool_]
-    anchor_ohm: FloatArray
+    sensing: npt.NDArray[np.bool_]  # whether strain can be sensed: the wire is between B and C
+    anchor_ohm: FloatArray  # resistance from which a change in the opposite direction is counted
 
 
 def segment_numbers(resistance_min_ohm: float, resistance_max_ohm: float) -> dict[str, float]:
@@ -115,21 +107,7 @@ def track_all(
 def segment_course(
     resistance_min_ohm: float, resistance_max_ohm: float, resistance_ohm: FloatArray, power_w: FloatArray
 ) -> SegmentCourse:
-    """Follow a wire through A-B and B-C.
-
-    Parameters
-    ----------
-    resistance_min_ohm, resistance_max_ohm
-        R_min and R_max of the wire's model [ohm].
-    resistance_ohm
-        Resistances of samples with current [ohm], shape (n_times,).
-    power_w
-        Electrical power [W], shape (n_times,).
-
-    Returns
-    -------
-    Whether strain can be sensed in each sample, and from which resistance its changes count.
-    """
+    """Follow a wire through A-B and B-C by its samples with current."""
     constants = np.array(list(segment_numbers(resistance_min_ohm, resistance_max_ohm).values()))
     course = SegmentCourse(np.zeros(resistance_ohm.shape, dtype=np.bool_), np.zeros(resistance_ohm.shape))
     resistance_ohm, power_w = np.array(resistance_ohm), np.array(power_w)

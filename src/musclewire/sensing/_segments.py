@@ -47,74 +47,30 @@ SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
 class LoopSegments:
     """Points A, B, C of one loop, as indices into the recording, and its branches from B to C.
 
-    On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on
-    cooling C, B, A. B is the maximum of a polynomial through the samples around it
-    (:func:`musclewire.sensing._resistance_maximum.resistance_maximum`); if the loop does not return to cold, B is where
-    it turns.
-
-    Parameters
-    ----------
-    heating_a
-        Sample of A on heating; that of B if the loop does not return to cold.
-    heating_b
-        Sample next to B on heating.
-    heating_c
-        Sample of C on heating; the turning point if the transformation was not completed.
-    cooling_c
-        Sample of C on cooling.
-    cooling_b
-        Sample next to B on cooling.
-    cooling_a
-        Sample of A on cooling.
-    heating
-        The measured samples from B to C on heating, in the order of the recording.
-    cooling
-        The measured samples from C to B on cooling.
-    resistance_min_ohm
-        Resistance at C on heating [ohm], after smoothing.
-    resistance_max_ohm
-        Resistance at B on heating [ohm], of that polynomial.
-    strain_cold
-        Smoothed strain (or displacement [m], force [N]) at A.
-    strain_max
-        Its maximum on heating, smoothed.
-    transformation_fraction
-        Fraction of the stroke from A to C that lies from B to C on heating; about 0.85 in the paper.
-    cooling_transformation_fraction
-        The same of the way back from C to A on cooling.
-    returns_cold
-        Whether the loop returns to cold.
-    complete
-        Whether the transformation was completed.
-    resistance_noise_ohm
-        Standard deviation of one resistance [ohm].
-    strain_noise
-        Standard deviation of one strain, in its unit.
-    cycle
-        Number of this loop among the complete ones, from 0.
-    cycles_found
-        Number of complete ones in the recording.
+    On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on cooling C, B,
+    A. B is found by :func:`musclewire.sensing._resistance_maximum.resistance_maximum`.
     """
 
-    heating_a: int
-    heating_b: int
-    heating_c: int
+    heating_a: int  # that of B if the loop does not return to cold; B is then where it turns
+    heating_b: int  # sample next to B
+    heating_c: int  # the turning point if the transformation was not completed
     cooling_c: int
     cooling_b: int
     cooling_a: int
-    heating: Branch
+    heating: Branch  # measured samples in the order of the recording
     cooling: Branch
-    resistance_min_ohm: float
-    resistance_max_ohm: float
-    strain_cold: float
-    strain_max: float
+    resistance_min_ohm: float  # at C on heating, after smoothing
+    resistance_max_ohm: float  # at B on heating, of the polynomial through the samples around it
+    strain_cold: float  # smoothed strain (or displacement [m], force [N]) at A
+    strain_max: float  # on heating, smoothed
+    # Of the stroke from A to C, what lies from B to C on heating; about 0.85 in the paper.
     transformation_fraction: float
     cooling_transformation_fraction: float
     returns_cold: bool
-    complete: bool
-    resistance_noise_ohm: float
-    strain_noise: float
-    cycle: int
+    complete: bool  # whether the transformation was completed
+    resistance_noise_ohm: float  # standard deviation of one reading
+    strain_noise: float  # in the unit of strain
+    cycle: int  # number among the complete ones, from 0
     cycles_found: int
 
 
@@ -125,32 +81,11 @@ def find_segments(
     cycle: str | int = "last",
     quantity: str = "strain",
 ) -> LoopSegments:
-    """Find A, B and C on one loop of a recording.
+    """Find A, B and C on one loop of a recording, whose columns have shape (n_times,) and contraction positive.
 
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance [ohm], shape (n_times,).
-    strain
-        Strain as a fraction, or displacement [m] or force [N], shape (n_times,), contraction positive.
-    valid
-        Which samples have current, shape (n_times,); all if None.
-    cycle
-        "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last). The last by default, as
-        it is the most stable one.
-    quantity
-        Quantity in ``strain``, for messages: "strain", "displacement" or "force".
-
-    Returns
-    -------
-    The loop's points and branches.
-
-    Raises
-    ------
-    RecordingError
-        If there is no transformation, the strain has the wrong sign, points are too few or no cycle is complete.
-    CallerError
-        For an unknown ``cycle``.
+    ``cycle`` is "last", "first" or "largest" complete cycle, or its number (0 the first, -1 the last); the last by
+    default, as it is the most stable one. Raises RecordingError if there is no transformation, the strain has the wrong
+    sign, points are too few or no cycle is complete. Raises CallerError for an unknown ``cycle``.
 
     References
     ----------
@@ -164,26 +99,7 @@ def find_segments(
 def find_loops(
     resistance_ohm: npt.ArrayLike, strain: npt.ArrayLike, valid: npt.ArrayLike | None = None
 ) -> list[LoopSegments]:
-    """Find A, B and C on every complete cycle of a recording.
-
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance [ohm], shape (n_times,).
-    strain
-        Strain as a fraction, shape (n_times,), contraction positive.
-    valid
-        Which samples have current, shape (n_times,); all if None.
-
-    Returns
-    -------
-    The loops, in their order.
-
-    Raises
-    ------
-    RecordingError
-        As :func:`find_segments`.
-    """
+    """Find A, B and C on every complete cycle of a recording, as :func:`find_segments`, and raise as it does."""
     signals = _UsableSamples.read(resistance_ohm, strain, valid)
     pairs = signals.cycles()
     return [signals.segments(pairs, number) for number in range(len(pairs))]

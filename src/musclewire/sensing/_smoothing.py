@@ -19,21 +19,10 @@ MEDIAN_TO_STD = 0.6744897501960817
 
 
 def noise_level(values: FloatArray, weights: FloatArray | None = None) -> float:
-    """Estimate the standard deviation of white noise on a smooth curve.
+    """Estimate the standard deviation of white noise on a smooth curve; 0 for fewer than 9 values.
 
-    The median of fourth differences ignores steps and slow bends of the curve, so that even a curve of 100 samples
-    without noise reads nearly zero. Jitter of the sampling counts as noise.
-
-    Parameters
-    ----------
-    values
-        The curve, shape (n,).
-    weights
-        Factors of each value's noise, where it is not the same everywhere, shape (n,); 1 if None.
-
-    Returns
-    -------
-    The standard deviation in the unit of the values; 0 for fewer than 9 of them.
+    The median of fourth differences ignores steps and slow bends of the curve; jitter of the sampling counts as noise.
+    ``weights`` are factors of each value's noise, where it is not the same everywhere.
     """
     if values.size < 9:
         return 0.0
@@ -67,19 +56,7 @@ def smoothed_noise(noise: float, window: int) -> float:
 
 
 def centred_mean(values: FloatArray, samples: int) -> FloatArray:
-    """Return the mean around each value.
-
-    Parameters
-    ----------
-    values
-        The values, shape (n,).
-    samples
-        How many values a mean is over; near the ends it is over fewer.
-
-    Returns
-    -------
-    The means, shape (n,).
-    """
+    """Return the mean around each value, over fewer near the ends."""
     reach = samples // 2
     total = np.concatenate([[0.0], np.cumsum(values)])
     place = np.arange(values.size)
@@ -90,7 +67,7 @@ def centred_mean(values: FloatArray, samples: int) -> FloatArray:
 def smooth(values: FloatArray, window: int) -> FloatArray:
     """Replace each sample by a local parabola's value (Savitzky-Golay of order 2, no phase shift).
 
-    ``values`` and the result have shape (n,). The first and last half window are taken from one parabola each.
+    The first and last half window are taken from one parabola each.
     """
     if window == 1 or values.size < window:
         return values

@@ -80,9 +80,8 @@ def turning_points(values: FloatArray, min_swing: float) -> tuple[list[int], boo
 def half_cycles(curves: SmoothedRecording, turns: list[int], starts_low: bool) -> list[HalfCycle]:
     """Cut the recording into heating and cooling half cycles at turning points of strain, refined by resistance.
 
-    Strain shows that the wire turned, but not exactly when: it saturates while the hot wire heats further, is constant
-    in a dwell, or sticks in the guide. Resistance keeps changing, so that within 2 % of the stroke of each extreme the
-    turning point is that of the resistance.
+    Strain saturates at the hot end, rests in a dwell or sticks in the guide while resistance keeps changing: within 2 %
+    of the stroke of each extreme the turning point is that of the resistance.
     """
     refined = [_refined_turn(curves, turns, k, starts_low ^ bool(k % 2)) for k in range(len(turns))]
     return [

@@ -67,8 +67,8 @@ def heat_balance_of(
 ) -> HeatBalanceFound:
     """Return a wire's heat balance: what its rig states, or by its diameter and, if there is one, its motion.
 
-    ``stated`` are time constant [s] and heat [J] of the whole transformation; without them they are those of the gains
-    that a model keeps. They stay as they are: the protection is by the same.
+    ``stated`` are time constant [s] and heat [J] of the whole transformation, by default those of the model's gains;
+    they stay as they are, since the protection is by the same.
     """
     tau_s, per_unit = (model.gains.get(name) for name in ("thermal_time_constant_s", "heat_per_unit"))
     if stated is None and isinstance(tau_s, float) and isinstance(per_unit, float):

@@ -118,9 +118,9 @@ def found_wire_model(
 ) -> WireModel:
     """Return the model of a wire by its slow loop, other cycles of the recording, and the motion in all of it.
 
-    The law of its minor loops is that of ``minor_loop``, the segment that was recorded for it, or else of those in the
-    motion. Deviations of what the tables say are those between the cycles; of one cycle they are the curve's own
-    misfit. What other heat balances would make of the loop comes in addition. Raises CallerError as ``wire_model_of``.
+    The law of its minor loops is that of ``minor_loop``, the segment recorded for it, or else of the motion. Deviations
+    of the tables are those between cycles, of one cycle the curve's own misfit, and what other heat balances would
+    change. Raises CallerError as ``wire_model_of``.
     """
     if not model.slow_loop:
         raise CallerError(NO_LOOP + argument("estimator", "polynomial"))
