@@ -261,9 +261,9 @@ class LoopChoice:
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:
         """Return the choice with what it leaves open: from the model's gains, else as in the paper.
 
-        Force jumps by twice the friction of its guide where the motion turns. The inverse of the model does not count
-        that; so force keeps the fuzzy PID. Raises CallerError for settings that do not say whose they are, for gains
-        that a model's file has wrong, and for a wire file that the estimator does not read.
+        Force keeps the fuzzy PID: it jumps by twice the guide's friction where the motion turns, which the inverse of
+        the model does not count. Raises CallerError for settings that do not say whose they are, for gains that a
+        model's file has wrong, and for a wire file that the estimator does not read.
         """
         gains = None if self.load is not None else gains_of(model, sample_period_s)
         of_force = self.load is not None or model.quantity == "force"

@@ -40,10 +40,7 @@ class CoolingPolicy(NamedTuple):
 
 
 def cooling_time_s(rig: Rig, model: SensingModel, duration_s: float) -> float:
-    """Return for how long a wire is watched cooling after a loop of a duration [s].
-
-    Not at all, 0, if its model has nothing to compare with, or a recording is replayed that has not so many samples.
-    """
+    """Return for how long a wire is watched cooling after a loop [s]; 0 without anything to compare with."""
     cooling_s = COOLING_LAGS * rig.protection_limits.heat.lag_s
     samples = sum(round(one / rig.sample_period_s) for one in (duration_s, cooling_s))
     ends = ability(rig, HasAnEnd)

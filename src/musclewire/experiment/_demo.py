@@ -44,25 +44,10 @@ def no_progress(_task: str, _total_s: float) -> AbstractContextManager[OnSample]
 
 
 def run_demo(folder: Path, *, seed: int = 1, progress: Progress = no_progress) -> DemoResult:
-    """Do what the paper did on the simulated rig and keep every recording in ``folder``.
+    """Do what the paper did on the simulated rig and keep every recording in ``folder``, even if interrupted.
 
     Slow sines of 3.2, 2.9 and 2.75 V; the pretension sweep; the fit of the 3.2 V loop at F_p = 1.9 N; the staircase of
-    Fig. 11, from cold, by the loop that ``control`` runs by default. Existing files of an earlier demo are replaced. If
-    it is interrupted, the recordings made until then are on disk.
-
-    Parameters
-    ----------
-    folder
-        Where recordings and model are written.
-    seed
-        Seed of the simulated rig's noise.
-    progress
-        Called with the name and the length [s] of each part; returns a context whose value receives every row. By
-        default no progress is shown.
-
-    Returns
-    -------
-    Recordings, gaps, model, run and sweep, and the files by name.
+    Fig. 11, from cold, by the loop that ``control`` runs by default. Existing files of an earlier demo are replaced.
     """
     files = {f"loop_{volts:g}V": file_in(folder, f"loop-{volts:g}V.h5") for volts in AMPLITUDES_V}
     files |= {"model": folder / "model.json", "staircase": folder / "staircase.h5"}

@@ -37,33 +37,15 @@ MAX_DROPOUTS = 10
 
 
 class SweepPlan(NamedTuple):
-    """Powers and times of a sweep.
+    """Powers and times of a sweep."""
 
-    Parameters
-    ----------
-    rest_s
-        Time at the sense voltage before, in which a warm wire cools [s].
-    up_s
-        Time in which the power rises to the loop's highest one [s].
-    down_s
-        Time of the way back [s].
-    loop_power_w
-        Highest power of the loop [W].
-    highest_power_w
-        Power that is never exceeded [W]: by the loop's own and by the protection's limit of temperature.
-    fall_ohm
-        Fall of resistance from B to C in the loop [ohm].
-    limited_by
-        Which limit the highest power is, in words.
-    """
-
-    rest_s: float
-    up_s: float
+    rest_s: float  # at the sense voltage before the sweep, in which a warm wire cools
+    up_s: float  # in which the power rises to the loop's highest one
     down_s: float
     loop_power_w: float
-    highest_power_w: float
-    fall_ohm: float
-    limited_by: str
+    highest_power_w: float  # never exceeded, by the loop's own and by the protection's limit of temperature
+    fall_ohm: float  # from B to C in the loop
+    limited_by: str  # which limit the highest power is, in words
 
     @classmethod
     def for_rig(cls, rig: Rig, loop_power_w: float, fall_ohm: float, highest_k: float = inf) -> SweepPlan:

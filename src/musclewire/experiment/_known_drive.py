@@ -17,14 +17,11 @@ from musclewire.rigs import HasTrueState, Rig, ability
 
 
 class KnownDrive(NamedTuple):
-    """The drive of each sample [V], (n_samples,), and what a policy records in addition, (n_samples, n_columns).
-
-    ``true_names`` are fields of the simulated wire's state that are recorded after these columns.
-    """
+    """The drive of each sample [V], (n_samples,), and what a policy records in addition, (n_samples, n_columns)."""
 
     drives_v: FloatArray
     values: FloatArray
-    true_names: tuple[str, ...] = ()
+    true_names: tuple[str, ...] = ()  # fields of the simulated wire's state that are recorded after these columns
 
 
 @runtime_checkable
@@ -32,25 +29,15 @@ class KnownDrivePolicy(Protocol):
     """A policy that does not look at samples, only at their times."""
 
     def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive | None:
-        """Return what the policy will do in a run.
+        """Return drives and recorded values, as by ``first_command`` and ``after``; None if not known.
 
-        Parameters
-        ----------
-        elapsed_s
-            End of each sample, counted from the beginning of the run [s].
-
-        Returns
-        -------
-        Drives and recorded values, equal to those of ``first_command`` and ``after``; None if they are not known.
+        ``elapsed_s`` are the ends of the samples, counted from the beginning of the run.
         """
         ...
 
 
 class TakenRun(NamedTuple):
-    """All samples of a run that was taken in compiled code: columns of the rig by name, and the policy's values.
-
-    ``start_s`` is the run's start on the rig's clock.
-    """
+    """All samples of a run taken in compiled code: columns of the rig by name, and the policy's values."""
 
     start_s: float
     elapsed_s: FloatArray
@@ -71,9 +58,8 @@ def elapsed_times_s(ends_s: tuple[float, ...], start_s: float) -> tuple[float, .
 def run_compiled_drive(rig: Rig, policy: object, samples: int, start_s: float | None = None) -> TakenRun | str:
     """Take all samples of a run in compiled code if that is possible, otherwise return why not.
 
-    ``start_s`` is the run's start on the rig's clock [s] if it has begun. The reason is empty if the drive is not
-    known, or if no simulation runs: then nobody expects it. The rig is left as the samples leave it, without them as it
-    was.
+    The reason is empty if the drive is not known, or if no simulation runs: then nobody expects it. The rig is left as
+    the samples leave it, without them as it was.
     """
     if not isinstance(policy, KnownDrivePolicy) or ability(rig, HasTrueState) is None:
         return ""

@@ -18,60 +18,27 @@ LOW_PERCENTILE, HIGH_PERCENTILE = 5.0, 95.0
 
 
 class LoopOutcome(NamedTuple):
-    """The outcome of one closed loop.
-
-    Parameters
-    ----------
-    seed
-        Seed of its rig.
-    ended
-        "done", or the error that ended it, in one line.
-    compiled
-        Whether it ran in compiled code; False if it ran in Python.
-    metrics
-        Its errors; None if it did not reach its end.
-    run
-        Its recording, up to the error if there was one; None unless recordings are kept.
-    warnings
-        Warnings of the run: a wire that pulled harder than allowed, friction that held it.
-    does_not_hold
-        Why its result does not hold, though it reached its end; "" if it does.
-    """
+    """The outcome of one closed loop."""
 
     seed: int
-    ended: str
+    ended: str  # "done", or the error that ended it, in one line
     compiled: bool
-    metrics: ControlMetrics | None
-    run: Recording | None
-    warnings: tuple[str, ...] = ()
-    does_not_hold: str = ""
+    metrics: ControlMetrics | None  # None if it did not reach its end
+    run: Recording | None  # up to the error if there was one; None unless recordings are kept
+    warnings: tuple[str, ...] = ()  # of a wire that pulled harder than allowed, or friction that held it
+    does_not_hold: str = ""  # why its result does not hold, though it reached its end
 
 
 class StepSpread(NamedTuple):
     """Errors of one step over all loops, against the reference instrument [%] (Eq. 7).
 
     From the first target on, and with ``approached`` in the name after the approach; the first step alone differs.
-
-    Parameters
-    ----------
-    target
-        Target of the step, in the unit of the quantity.
-    direction
-        "rise" or "return".
-    median_pct
-        Median over the loops [%].
-    low_pct, high_pct
-        5th and 95th percentile [%].
-    maximum_pct
-        Largest error of all loops [%].
-    median_approached_pct, low_approached_pct, high_approached_pct, maximum_approached_pct
-        The same of the errors after the approach [%].
     """
 
-    target: float
-    direction: str
+    target: float  # in the unit of the quantity
+    direction: str  # "rise" or "return"
     median_pct: float
-    low_pct: float
+    low_pct: float  # 5th and 95th percentile
     high_pct: float
     maximum_pct: float
     median_approached_pct: float

@@ -66,10 +66,7 @@ class LoopCase(NamedTuple):
 
 
 class CompiledLoop(NamedTuple):
-    """What the loops of one rig and one model share: ticks, targets, and where they start.
-
-    ``elapsed_s`` counts on through the cooling after a loop.
-    """
+    """What the loops of one rig and one model share; ``elapsed_s`` counts on through the cooling after a loop."""
 
     model: SensingModel
     choice: LoopChoice
@@ -234,10 +231,7 @@ def control_compiled(
 
 
 def cases_of(rigs: Any, models: SensingModel | Sequence[SensingModel], seeds: tuple[int, ...]) -> list[LoopCase]:
-    """Return the loops to run.
-
-    Raises CallerError for no seeds, for lists that are not as long as the seeds, and for an open rig.
-    """
+    """Return the loops to run. Raises CallerError for no seeds, lists not as long as the seeds, and an open rig."""
     if not seeds:
         raise CallerError("no seeds: give at least one, such as range(1, 1001)")
     each_rig = list(rigs) if isinstance(rigs, Sequence) and not isinstance(rigs, str) else [rigs]

@@ -255,20 +255,7 @@ def determined(error_pct: float | None, what: str) -> float:
 
 
 def mean_absolute_error(values: FloatArray, wanted: FloatArray | float, per: float) -> float:
-    """Return the mean of the absolute error in percent (Eq. 7).
-
-    Parameters
-    ----------
-    values
-        What was measured or estimated, (n,), in any unit.
-    wanted
-        What it should be, a number or (n,), in the unit of ``values``.
-    per
-        What the error is relative to, in the same unit; not 0. Its sign does not matter.
-
-    Returns
-    -------
-    100 mean(|values - wanted|) / |per| [%].
+    """Return 100 mean(|values - wanted|) / |per| [%], the mean of the absolute error (Eq. 7).
 
     References
     ----------
@@ -283,21 +270,9 @@ def root_mean_square(errors: FloatArray, per: float) -> float:
 
 
 def control_metrics(recording: Recording, quantity: str, reference: Reference) -> ControlMetrics:
-    """Return how well a closed-loop recording followed its target.
+    """Return how well a closed-loop recording followed its target, of a staircase each step by itself (Eq. 7).
 
-    Parameters
-    ----------
-    recording
-        A run of the closed loop, with the columns of the quantity's target and estimate.
-    quantity
-        "strain", "displacement" or "force".
-    reference
-        The target over time; of a staircase each step is judged by itself (Eq. 7).
-
-    Returns
-    -------
-    Errors of the steps, from the first target on and after the approach, and of the whole run after the approach; None
-    if the recording lacks the reference instrument.
+    Errors against the reference instrument are None if the recording lacks it.
 
     References
     ----------
@@ -360,23 +335,7 @@ def step_metrics(
 ) -> StepMetrics:
     """Return the errors of one step, from one second after its start to its end (Eq. 7), in both readings.
 
-    Parameters
-    ----------
-    step
-        Start, end and target of the step.
-    elapsed_s
-        Time since the reference began [s], (n_times,), negative during the approach.
-    estimated
-        Estimate, (n_times,), in the unit of the target.
-    measured
-        Reading of the reference instrument, (n_times,), in the unit of the target; None without one.
-    approach_s
-        Time [s] for which the first target was held before the reference began. From the first target on, the first
-        step counts earlier by as much; the others do not change.
-
-    Returns
-    -------
-    The errors in percent; None if they cannot be determined.
+    From the first target on, the first step counts earlier by the approach; the others do not change.
 
     References
     ----------

@@ -28,7 +28,7 @@ from musclewire.signals import COLUMN_SUFFIX, Command, RawSample, Target, wire_s
 class TargetPolicy:
     """Sends the reference's targets and records the board's estimates; it controls nothing.
 
-    How certain an estimate is a board does not say: that says its estimator here, by the same readings.
+    A board does not say how certain an estimate is: its estimator says so here, by the same readings.
     """
 
     def __init__(self, board: HasOnBoardLoop, loop: PreparedLoop, sample_period_s: float) -> None:
@@ -120,39 +120,12 @@ def control_on_board(
     known_strain: float | tuple[float, float] | None = None,
     **run: Unpack[RunOptions],
 ) -> ControlRun:
-    """Let a board's firmware move the wire along a reference.
+    """Let a board's firmware, which was built with the same model and settings, move the wire along a reference.
 
-    Parameters
-    ----------
-    rig
-        A board with musclewire's firmware, open.
-    model
-        The model that the firmware was built with.
-    reference
-        Targets in the model's quantity; if None the paper's staircase within the model's range.
-    settings
-        Settings of the controller that the firmware was built with; by default the model's gains, or those of the fuzzy
-        PID for the model's quantity.
-    approach_s
-        Time [s] for which the reference's start is held before the reference begins; by default none, 12 s for the
-        fuzzy PID.
-    zero_from, known_strain
-        As of ``control``: where the model is corrected, the board gets the correction.
-    **run
-        ``path`` of the recording, ``overwrite`` one that exists, ``on_sample`` called with every recorded row; it
-        may raise to stop the run, ``until`` asked after each whether the run is to end now.
-
-    Returns
-    -------
-    The recording with its metrics, the estimate being the board's.
-
-    Raises
-    ------
-    CallerError
-        For a rig without a board, a board that was built for another model or controller, or a target outside the
-        model's range.
-    RigError
-        For a board whose firmware knows no corrections, if one may be needed.
+    The estimate recorded is the board's; where the model is corrected, as in ``control``, the board gets the
+    correction. Raises CallerError for a rig without a board, a board that was built for another model or controller, or
+    a target outside the model's range, and RigError for a board whose firmware knows no corrections, if one may be
+    needed.
     """
     board = ability(rig, HasOnBoardLoop)
     if board is None:

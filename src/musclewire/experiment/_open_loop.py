@@ -51,41 +51,17 @@ ZERO_CELSIUS_K = 273.15
 
 
 class LevellingAmplitude(NamedTuple):
-    """An amplitude, and why it is no larger.
+    """An amplitude, and why it is no larger."""
 
-    Parameters
-    ----------
-    amplitude_v
-        Greatest drive voltage [V], at least the rig's own.
-    levelled
-        Whether the fall of the resistance has levelled off there.
-    stopped_by
-        The limit that was met before, in words; empty if it has levelled off.
-    """
-
-    amplitude_v: float
-    levelled: bool
-    stopped_by: str
+    amplitude_v: float  # at least the rig's own
+    levelled: bool  # whether the fall of the resistance has levelled off there
+    stopped_by: str  # the limit that was met before, in words; empty if it has levelled off
 
 
 def levelling_amplitude(rig: Rig, on_sample: OnSample | None = None) -> LevellingAmplitude:
     """Raise the power of a wire until the fall of its resistance levels off, within the limits of rig and alloy.
 
-    Parameters
-    ----------
-    rig
-        The rig, open; it is driven for about half a minute, and more for a thick wire.
-    on_sample
-        Called with every row, numbers by column name; it may raise to stop the run.
-
-    Returns
-    -------
-    The amplitude for a slow sine, and the limit that was met if one was.
-
-    Raises
-    ------
-    RigError
-        If the rig failed or was tripped.
+    The wire is driven for about half a minute, and more for a thick one.
     """
     limits = rig.protection_limits
     nominal_ohm = 0.5 * (limits.resistance_low_ohm + limits.resistance_high_ohm)
@@ -115,28 +91,9 @@ class SlowSine(TypedDict, total=False):
 def slow_sine(amplitude_v: float, sense_voltage_v: float, period_s: float = PAPER_PERIOD_S) -> Waveform:
     """Return drive voltage over time: a raised cosine from the sense voltage to the amplitude and back.
 
-    The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it
-    is offset. Heating power is proportional to the square of voltage, so a sine about zero would heat twice a period;
-    ours goes once from cold to hot and back, and never below the sense voltage, where Eq. 1 has no current to divide
-    by.
-
-    Parameters
-    ----------
-    amplitude_v
-        Greatest drive voltage [V], above the sense voltage.
-    sense_voltage_v
-        Lowest drive voltage [V], 0 or more.
-    period_s
-        Time of a cycle [s]; by default the paper's 90 s.
-
-    Returns
-    -------
-    A function from time [s] to drive voltage [V].
-
-    Raises
-    ------
-    CallerError
-        If the amplitude is not above the sense voltage, or a period is not above 0 s.
+    The paper drives "a sine wave voltage input with 1/90 Hz and amplitude 3.2 V" and does not say whether it is offset.
+    A sine about zero would heat twice a period; ours goes once from cold to hot and back, and never below the sense
+    voltage, where Eq. 1 has no current to divide by.
 
     References
     ----------

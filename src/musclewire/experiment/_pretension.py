@@ -207,25 +207,11 @@ def largest_in_motion_n(rows: Sequence[PretensionRow], limit_n: float | None) ->
 
 
 def default_pretensions_n(rig: Rig) -> list[float]:
-    """Return eight settings, rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
+    """Return eight rising settings [N], rounded to 0.01 N: from 0.20 to 0.65 of the wire's allowed force.
 
     They end at the vendor's stress for many cycles (``working_stress`` of the alloy) in the cold wire where that is
     less, and begin at no more than 0.35 of it. A rig whose stage is set below that range is swept from a quarter of its
-    setting to twice it.
-
-    Parameters
-    ----------
-    rig
-        The rig, whose recordings state maximum_force_n.
-
-    Returns
-    -------
-    The settings [N], rising.
-
-    Raises
-    ------
-    CallerError
-        If the rig does not state maximum_force_n.
+    setting to twice it. Raises CallerError if the rig does not state maximum_force_n.
     """
     stated = rig.metadata()
     allowed, setting = (stated.get(name) for name in ("maximum_force_n", "pretension_n"))

@@ -45,34 +45,13 @@ def evaluate_in_processes(
     *,
     workers: int,
     named: Callable[[Item], str],
-    retries: int = RETRIES,
+    retries: int = RETRIES,  # how often an item is begun again whose process has died
     look: Callable[[], None] = lambda: None,
 ) -> None:
-    """Evaluate a function of each item on several cores of this machine.
+    """Evaluate a function of each item on several cores of this machine, or here with one worker or a single item.
 
-    Parameters
-    ----------
-    function
-        The function. With more than one process it must be of a module, or able to be pickled.
-    items
-        The items, in the order in which they are begun; each is asked for when it is.
-    on_result
-        Called in this thread with each item and its result, in the order in which they are finished.
-    workers
-        Number of processes; with one, or a single item, all is evaluated in this process.
-    named
-        Returns what an item is called in messages.
-    retries
-        How often an item is begun again whose process has died.
-    look
-        Called before each item, and several times a second while others compute; it may raise to stop.
-
-    Raises
-    ------
-    CallerError
-        For what cannot be sent to another process.
-    NumericsError
-        If an item's process has died more often than that, or by an error in the code of another process.
+    The function must be of a module, or able to be pickled. ``on_result`` is called in this thread as items are
+    finished; ``look``, before each item and several times a second, may raise to stop.
     """
     if min(workers, len(items)) <= 1:
         for item in items:

@@ -75,32 +75,14 @@ class Policy(Protocol):
         ...
 
     def first_command(self) -> Command:
-        """Return the command for the first sample period.
-
-        Returns
-        -------
-        A drive voltage, or a target for a device with a closed loop of its own.
-        """
+        """Return the first sample period's command: a drive voltage, or a target for a device with its own loop."""
         ...
 
     def after(self, sample: RawSample, elapsed_s: float) -> Decision:
-        """Return the decision after a sample.
+        """Return the next command after a sample, and what is recorded next to it.
 
-        Parameters
-        ----------
-        sample
-            The sample that the rig has just returned.
-        elapsed_s
-            End of the sample, counted from the beginning of the run [s].
-
-        Returns
-        -------
-        The next command, and what is recorded next to the sample.
-
-        Raises
-        ------
-        RigError
-            If the run cannot go on; the rig then goes to its sense voltage.
+        ``elapsed_s`` is the sample's end, counted from the beginning of the run. Raises RigError if the run cannot go
+        on; the rig then goes to its sense voltage.
         """
         ...
 
@@ -113,14 +95,10 @@ class FollowingPart(NamedTuple):
 
 
 class Following(NamedTuple):
-    """How a run goes on once its time is over.
+    """How a run goes on once its time is over."""
 
-    ``begins`` is the name under which the metadata state where this segment begins; ``chosen_by`` chooses it by the
-    recording until then, or None.
-    """
-
-    begins: str
-    chosen_by: Callable[[Recording], FollowingPart | None]
+    begins: str  # name under which the metadata state where this segment begins
+    chosen_by: Callable[[Recording], FollowingPart | None]  # chooses the segment by the recording until then, or None
 
 
 def file_in(folder: str | Path, name: str) -> Path:
@@ -160,45 +138,14 @@ def run_on_rig(
     until: Until | None = None,
     following: Following | None = None,
 ) -> Recording:
-    """Drive a rig by a policy for a time and return the recording.
+    """Drive a rig by a policy for a time, rounded to whole samples, and return the recording.
 
-    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. The metadata
-    have the run's timing. A drive that is known beforehand is run in compiled code on a simulated rig without a clock,
-    unless ``on_sample`` or ``until`` is given: the recording is the same, its metadata ``compiled_loop`` or
-    ``not_compiled`` say so.
-
-    Parameters
-    ----------
-    rig
-        The rig, open.
-    policy
-        Chooses each command; it may raise an exception to stop the run.
-    duration_s
-        Length of the run [s], rounded to whole samples.
-    metadata
-        Metadata of the recording in addition to the rig's.
-    path
-        File that is written while the run goes on; by default the recording is only returned.
-    overwrite
-        Whether a file that exists is replaced.
-    on_sample
-        Gets every recorded row; it may raise to stop the run.
-    until
-        Asked after each row; True ends the run before its time, as done and not as cut off.
-    following
-        Asked at the end for what to go on with, by a policy with the same columns: a segment of its own in the
-        recording. The rig is at its sense voltage in between. None for a run that ends there.
-
-    Returns
-    -------
-    The recording, with the columns of rig and policy.
-
-    Raises
-    ------
-    CallerError
-        For a duration under one sample, and a file that cannot be written, before anything is heated.
-    RigError
-        If the rig failed or was tripped.
+    Any exception leaves the rig at its sense voltage and carries the partial recording as ``.recording``. A drive that
+    is known beforehand is run in compiled code on a simulated rig without a clock, unless ``on_sample`` or ``until`` is
+    given: the recording is the same, its metadata ``compiled_loop`` or ``not_compiled`` say so. ``following`` says at
+    the end what to go on with, by a policy with the same columns; the rig is at its sense voltage in between. Raises
+    CallerError for a duration under one sample, and a file that cannot be written, before anything is heated. Raises
+    RigError if the rig failed or was tripped.
     """
     samples = round(duration_s / rig.sample_period_s)
     if samples < 1:
@@ -292,10 +239,7 @@ def go_on(loop: RunParts, part: FollowingPart | None, start_s: float) -> None:
 
 
 def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, start_s: float) -> bool:
-    """Hand each sample to the policy, record both, hand the policy's command to the rig; from a first sample on.
-
-    Returns whether it went to its end: False if somebody ended it, be it at the last sample.
-    """
+    """Let the policy answer each sample, record both, command the rig; return False if somebody ended it."""
     _, exchange, recorder, measured, timing, on_sample, until = loop
     # The time comes first and is the run's own.
     fields_of = itemgetter(*(RawSample._fields.index(name) for name in measured[1:]))

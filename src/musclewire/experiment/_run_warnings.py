@@ -62,8 +62,7 @@ def step_warnings(recording: Recording) -> tuple[str, ...]:
 def friction_warnings(recording: Recording) -> tuple[str, ...]:
     """Return a warning if friction held the connector while the wire became slack; none otherwise.
 
-    Only a simulated rig knows: the recording's ``friction_held_m`` states by how much the wire was longer than the
-    connector's position allows. A recording that does not state it gets no warning.
+    Only a simulated rig knows; ``friction_held_m`` is by how much the wire was longer than the connector allows.
     """
     held_m = recording.facts.number_or_none("friction_held_m")
     leg_m = recording.facts.leg_length_or_none_m
@@ -89,8 +88,7 @@ def force_limit_n(recording: Recording) -> float | None:
 def force_warnings(recording: Recording) -> tuple[str, ...]:
     """Return a warning if the measured force, ``force_n``, exceeds the wire's limit; none otherwise.
 
-    The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N]. A recording
-    without load cell or limit cannot be judged and gets no warning.
+    The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N].
     """
     limit = force_limit_n(recording)
     if "force_n" not in recording or limit is None:

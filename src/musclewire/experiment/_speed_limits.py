@@ -162,8 +162,7 @@ def speed_metadata(
 ) -> dict[str, str]:
     """Return the warnings of a reference for a run's metadata, under ``speed_limits``; nothing if it can be followed.
 
-    If model or rig do not state what the limits follow from, it says so instead. Of a target that is steered nothing
-    can be said beforehand.
+    If model or rig do not state what the limits follow from, it says so instead.
     """
     if isinstance(reference, SteeredReference):
         return {}

@@ -15,23 +15,8 @@ if TYPE_CHECKING:
 def training_figure(training: Training, *, settled_fraction: float = SETTLED_FRACTION, style: str = "screen") -> Figure:
     """Draw how far resistance and strain have moved since the first cycle, and the change over five cycles.
 
-    Parameters
-    ----------
-    training
-        What ``train`` returned.
-    settled_fraction
-        The change below which the loop counts as settled, as ``train`` was given it; drawn as a line.
-    style
-        Size and fonts of the figure, as in ``Recording.plot``.
-
-    Returns
-    -------
-    A matplotlib figure. A training of five cycles or fewer has no change to draw.
-
-    Raises
-    ------
-    CallerError
-        For an unknown style; the message suggests the nearest.
+    ``settled_fraction`` is drawn as a line. A training of five cycles or fewer has no change to draw. Raises
+    CallerError for an unknown style; the message suggests the nearest.
     """
     from matplotlib.ticker import MaxNLocator
 

@@ -80,10 +80,7 @@ MIN_SAMPLES = 20
 
 
 class VoltageLevel(NamedTuple):
-    """Samples of one output voltage, settled ones only; arrays of shape (n_times,).
-
-    ``host_s`` is the host's own clock when each sample arrived.
-    """
+    """Settled samples of one output voltage, arrays of shape (n_times,); ``host_s`` is when the host got each."""
 
     commanded_v: float
     time_s: FloatArray

@@ -44,17 +44,14 @@ SENSE = (*FITS, "at_sense")
 
 
 class CheckRow(NamedTuple):
-    """A check: its name, the unit of its value, what looks, where its words are, what it needs of ``Examined``.
-
-    Whether the sense voltage is not applied if it fails: then the wiring is not what the rig file says.
-    """
+    """A check: its name, the unit of its value, what looks, where its words are, what it needs of ``Examined``."""
 
     name: str
     unit: str
     look: Callable[[Examined], Outcome | str | None]
     words: str
     needs: tuple[str, ...] = ()
-    stops: bool = False
+    stops: bool = False  # if it fails, the wiring is not what the rig file says and the sense voltage is not applied
 
     def looked(self, seen: Examined) -> RigCheck | SkippedCheck | None:
         """Return what the check finds, or why it is skipped; None if there is nothing to say."""
@@ -117,11 +114,7 @@ STOPPING = frozenset(row.name for row in (*BELOW, *LATER) if row.stops)
 
 
 class Examination(NamedTuple):
-    """Findings of the doctor.
-
-    ``findings`` are in the order in which they were made. ``highest_v`` is the highest output voltage [V]; ``trouble``
-    is the rig's own fault, None without one. ``calibration`` may be empty.
-    """
+    """Findings of the doctor, in the order in which they were made; ``trouble`` is the rig's own fault."""
 
     findings: Findings
     calibration: tuple[rig_file.ChannelCalibration, ...]
@@ -163,9 +156,8 @@ def examine(
 ) -> Examination:
     """Check a rig at its sense voltage and below; the rig ends at its sense voltage or off.
 
-    ``hold_s`` is how long the sense voltage is held; the meters' readings, taken at the sense voltage, give the gains
-    of the channels. A fault of the rig is a finding too: ``trouble``. Raises CallerError for a meter's
-    reading that cannot belong to its channel.
+    The meters' readings, taken at the sense voltage, give the gains of the channels. A fault of the rig is a finding
+    too: ``trouble``. Raises CallerError for a meter's reading that cannot belong to its channel.
     """
     probe = VoltageProbe(rig, clock, on_sample)
     seen = Examined(rig, probe)

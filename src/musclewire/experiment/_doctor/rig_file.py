@@ -30,7 +30,7 @@ def calibrations(
 ) -> tuple[ChannelCalibration, ...]:
     """Return the calibration of both channels: offsets at 0 V, gains by a meter that was read at the sense voltage.
 
-    None without readings at 0 V. Raises CallerError if a meter's reading cannot belong to the channel.
+    Empty without readings at 0 V. Raises CallerError if a meter's reading cannot belong to the channel.
     """
     if zero is None:
         return ()
