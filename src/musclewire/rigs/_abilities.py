@@ -31,19 +31,10 @@ class GuardedStages:
 
 
 def ability(rig: Rig, kind: type[AbilityT]) -> AbilityT | None:
-    """Return what a rig, or the device that it guards, can do beyond exchanging samples.
+    """Return what a rig, or the device that it guards, can do beyond exchanging samples; None if it cannot.
 
-    Parameters
-    ----------
-    rig
-        Any rig, open.
-    kind
-        One of the protocols of :mod:`musclewire.rigs` whose names begin with "Has": ``HasStage`` is a stage that
-        software moves, ``HasTrueState`` the true state of a simulation, to judge a result and never for an estimator.
-
-    Returns
-    -------
-    An object with the ability, None for a rig without it.
+    ``kind`` is one of the protocols of :mod:`musclewire.rigs` whose names begin with "Has". What ``HasTrueState`` says
+    is to judge a result and never for an estimator.
     """
     if not isinstance(rig.device, kind):
         return None

@@ -271,8 +271,7 @@ def rig_configuration(
 ) -> tuple[DeviceConfiguration, str]:
     """Return a rig's configuration and its name in messages, from a name, the path of a rig file, or a configuration.
 
-    ``may_import`` is that of ``read_rig_file``. Raises CallerError for an unknown name, a missing file and an invalid
-    file.
+    Raises CallerError for an unknown name, a missing file and an invalid file.
     """
     if not isinstance(rig, DeviceConfiguration | str | Path):
         raise CallerError(
@@ -350,8 +349,8 @@ def wire_on_bench(
 ) -> tuple[Wire, Bench]:
     """Return a wire and a bench, by their names, with the numbers that are set; ``number`` gives each by its name.
 
-    Without a bench it is the paper's, with those numbers of a bench that the wire's file contains. Raises CallerError
-    for unknown names and wrong numbers.
+    Without a bench it is the paper's, with those of its numbers that the wire's file has. Raises CallerError for
+    unknown names and wrong numbers.
     """
     named, around = load_wire(wire), load_bench(bench or PAPER_BENCH)
     if bench is None:
@@ -389,27 +388,8 @@ def driven_wire(
 ) -> Wire:
     """Return a rig's wire with the voltages that its numbers ask for, where neither they nor the file state them.
 
-    Parameters
-    ----------
-    configuration
-        The rig file.
-    parameters
-        Alloy, wire and bench with all their numbers.
-    own
-        Voltages of the wire as it is named, and what they are for.
-    given
-        The numbers that are set and not the wire's own, by name.
-    where
-        The rig file's name in messages.
-
-    Returns
-    -------
-    The wire with its own amplitude and maximum.
-
-    Raises
-    ------
-    CallerError
-        For a number that is set and that no wire of the catalogue has or survives, unless the file confirms it.
+    ``given`` are the names of the numbers that are set and not the wire's own. Raises CallerError for a number that is
+    set and that no wire of the catalogue has or survives, unless the file confirms it.
     """
     alloy, wire, bench = parameters
     if not configuration.beyond_catalogue:
@@ -452,8 +432,8 @@ def device_of(
 ) -> SimulatedDevice:
     """Return the simulated device of a rig file with the numbers of a spool: the core's, or that of an offered key.
 
-    ``settings`` are those that the numbers already have; they are only checked. Raises CallerError for one that the
-    rig's load leaves without effect, and for what the device of an offered key refuses.
+    The spool has the ``settings`` already; they are only checked. Raises CallerError for one that the rig's load leaves
+    without effect, and for what the device of an offered key refuses.
     """
     from musclewire.rigs._simulated import SimulatedDevice
 

@@ -56,21 +56,12 @@ class DeviceFacts:
 
 
 class Missing(NamedTuple):
-    """A sample or command has been missing for a time: the guard holds the drive, senses, or switches off.
+    """A sample or command has been missing for a time: the guard holds the drive, senses, or switches off."""
 
-    Parameters
-    ----------
-    event
-        What is missing, ``Event.SAMPLE_LATE`` for example; the protection table says how long it may be.
-    missing_s
-        For how long [s], from the beginning of the wait: it grows from one answer to the next.
-    sample
-        The sample, if it came after all; it is judged as any other. None while the device still waits: the guard calls
-        ``exchange`` again, with the command that may be out by now.
-    """
-
-    event: Event
-    missing_s: float
+    event: Event  # ``Event.SAMPLE_LATE`` for example; the protection table says how long it may be missing
+    missing_s: float  # from the beginning of the wait: it grows from one answer to the next
+    # If it came after all, judged as any other; None while the device still waits: the guard calls ``exchange`` again,
+    # with the command that may be out by now.
     sample: RawSample | None = None
 
 

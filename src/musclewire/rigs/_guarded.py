@@ -696,13 +696,7 @@ Rig = GuardedRig
 
 
 def refuse_no_rig(rig: object) -> None:
-    """Raise CallerError for what is no rig: a device without its guard, or somebody's own driver.
-
-    Parameters
-    ----------
-    rig
-        What a caller has given as a rig.
-    """
+    """Raise CallerError for what is no rig: a device without its guard, or somebody's own driver."""
     if not hasattr(rig, "exchange") or not hasattr(rig, "sense_voltage_v"):
         raise CallerError(
             f"a rig is driven, as open_rig returns it, not {an_object(rig)}: hardware of your own becomes one by the "

@@ -11,13 +11,7 @@ from typing import Any
 class IdleWatch:
     """Asks a rig again and again to look at its own silence, until it is closed or nobody holds it any more.
 
-    Parameters
-    ----------
-    look
-        A bound method of the rig, of which only a weak reference is kept; it returns after how many seconds to look
-        again.
-    first_s
-        Time until the first look [s].
+    Of ``look``, which returns after how many seconds to look again, only a weak reference is kept.
     """
 
     def __init__(self, look: Callable[[], float], first_s: float) -> None:

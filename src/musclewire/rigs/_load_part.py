@@ -38,8 +38,8 @@ class SecondWire(Protocol):
     def coupled(self, first: Any, parts: Sequence[LoadPart], mechanism: Any, stage_n: float) -> SimulatedWires:
         """Return both wires, cold and at rest under the stage's pretension [N].
 
-        ``first`` is the first one's ``SimulatedSpool``, ``mechanism`` the ``SimulatedLoad`` of all parts. Raises
-        CallerError for an unknown wire, and for a force or voltage that one does not allow.
+        ``first`` is the first one's ``SimulatedSpool``. Raises CallerError for an unknown wire, and for a force or
+        voltage that one does not allow.
         """
 
 

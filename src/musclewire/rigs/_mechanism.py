@@ -67,23 +67,11 @@ class FingerTendon:
 
 @dataclass(frozen=True)
 class SimulatedLoad:
-    """A load for the simulator, the force that it adds to the stage's pretension, and the finger, if there is one.
+    """A load for the simulator, the force that it adds to the stage's pretension, and the finger, if there is one."""
 
-    Parameters
-    ----------
-    load
-        Spring and tables over the connector's displacement.
-    added_n
-        Pull of hanging weights, and of a tendon that its own stage has drawn taut [N].
-    stage
-        Whether a stage sets the pretension; False if only a weight hangs on the wire.
-    tendon
-        The finger at the connector; None without one.
-    """
-
-    load: ConnectorLoad
-    added_n: float
-    stage: bool
+    load: ConnectorLoad  # over the connector's displacement
+    added_n: float  # pull of hanging weights, and of a tendon that its own stage has drawn taut
+    stage: bool  # whether a stage sets the pretension; False if only a weight hangs on the wire
     tendon: FingerTendon | None
 
 
@@ -91,36 +79,14 @@ def mechanism_of(
     parts: Sequence[LoadPart],
     *,
     pretension_n: float,
-    leg_length_m: float,
-    object_between: bool = False,
-    tendon_slack_m: float | None = None,
+    leg_length_m: float,  # tables reach over the displacement that a leg can move through
+    object_between: bool = False,  # two fingers share the obstacle, which is then left to the pair
+    tendon_slack_m: float | None = None,  # below 0 its stage pulls the tendon taut; by default the finger's own
 ) -> SimulatedLoad:
     """Return the mechanism of the parts at a connector, at a setting of the stage.
 
-    If no part carries the stage's pretension the finger must, and is bent before anything is heated.
-
-    Parameters
-    ----------
-    parts
-        Parts at the connector, which fit together.
-    pretension_n
-        Force of the stage [N].
-    leg_length_m
-        Length of a leg of the wire [m]: tables reach over the displacement that it can move through.
-    object_between
-        Whether two fingers share the obstacle: it is then left to the pair, and not part of the load.
-    tendon_slack_m
-        Slack of the finger's tendon [m]; below 0 the finger's stage pulls the tendon taut by as much. The finger's
-        own if None.
-
-    Returns
-    -------
-    The load, with the finger if there is one.
-
-    Raises
-    ------
-    CallerError
-        If the finger cannot carry the pretension, or its file cannot be used.
+    If no part carries the stage's pretension the finger must, and is bent before anything is heated. Raises CallerError
+    if the finger cannot carry the pretension, or its file cannot be used.
     """
     stiffness = sum((part.stiffness_n_per_m for part in parts), start=0.0)
     carried = any(part.carries_pretension for part in parts)

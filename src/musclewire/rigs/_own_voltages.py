@@ -121,8 +121,8 @@ def austenite_ohm(hot: HotWire, temperature_k: float) -> tuple[float, float]:
 def holding_voltage_v(hot: HotWire, temperature_k: float) -> float:
     """Return the least drive voltage [V] that may hold a wire at a temperature in still air.
 
-    Its resistance is that of austenite, between a wire that contracted by the alloy's whole strain and one that did
-    not: of these the one that takes the most power from the drive counts.
+    Its resistance is that of austenite, contracted by the alloy's whole strain or not at all, whichever takes more
+    power.
     """
     lowest, highest = austenite_ohm(hot, temperature_k)
     rest = hot.series_ohm * hot.in_parallel / hot.in_series
@@ -191,9 +191,8 @@ def with_own_voltages(
 ) -> Wire:
     """Return a simulated wire with the voltages of its length and circuit, but for those that its rig file states.
 
-    ``hot`` is its heat balance in this circuit, whose channels read up to ``channel_range_v``; ``given`` names the
-    numbers that the file or the caller sets. A wire whose diameter is set has the resistance per metre of its section,
-    unless that is set, too.
+    ``given`` names the numbers that the file or the caller sets. A wire whose diameter is set has the resistance per
+    metre of its section, unless that is set, too.
     """
     changed = {}
     if "resistance_per_metre_ohm_per_m" not in given:

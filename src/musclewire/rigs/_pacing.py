@@ -19,9 +19,7 @@ NAP_S = 0.02
 class SamplePacer:
     """Paces samples on one grid: the n-th is due n periods after the first, whatever happened in between.
 
-    A late caller gets samples at once until it has caught up with the grid: a late sample does not shift the following
-    ones. The protection table decides how late a sample may be (event ``sample_late``).
-
+    A late caller gets samples at once until it has caught up; how late one may be is the protection's ``sample_late``.
     One thread waits. Another one may end all waiting or change the period meanwhile.
     """
 

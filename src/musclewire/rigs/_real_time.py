@@ -18,10 +18,9 @@ MIN_SLACK_NS = 1
 
 
 def wake_on_time() -> None:
-    """Make timers of this thread fire when they are due and not up to 50 us later; needs no permission.
+    """Make timers of this thread fire when they are due and not up to 50 us later, on Linux; needs no permission.
 
-    Linux delays timers of ordinary threads in order to serve several at once (prctl(2), PR_SET_TIMERSLACK). On other
-    systems nothing happens.
+    Linux delays timers of ordinary threads in order to serve several at once (prctl(2), PR_SET_TIMERSLACK).
     """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, MIN_SLACK_NS, 0, 0, 0)
@@ -46,8 +45,8 @@ def pin_to_cpu(cpu: int) -> None:
 def take_priority() -> list[str]:
     """Run this process before all ordinary ones (SCHED_FIFO) and lock its memory (mlockall).
 
-    Returns a line for each of the two that the system does not permit, with what to do about it; the process then
-    continues without it. Raises CallerError on systems other than Linux.
+    Returns a line for each of the two that the system does not permit, with what to do about it. Raises CallerError on
+    systems other than Linux.
     """
     if sys.platform != "linux":
         raise CallerError(f"real-time priority is taken on Linux only, not on {sys.platform}: go without it")

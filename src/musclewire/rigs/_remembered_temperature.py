@@ -74,17 +74,11 @@ class WireTemperature(NamedTuple):
 
 
 class TemperatureAtOpening(NamedTuple):
-    """How warm a wire counts when its rig is opened.
-
-    Attributes:
-        temperature_k: the estimate now [K].
-        rest_s: how long the wire rests at its sense voltage before it is heated [s]; 0 if its temperature is known.
-        reason: one line to be said, None if there is nothing to say.
-    """
+    """How warm a wire counts when its rig is opened."""
 
     temperature_k: float
-    rest_s: float
-    reason: str | None
+    rest_s: float  # how long the wire rests at its sense voltage before it is heated; 0 if its temperature is known
+    reason: str | None  # one line to be said, None if there is nothing to say
 
 
 class KeptText(Protocol):
@@ -316,23 +310,7 @@ def in_one_line(problem: Exception) -> str:
 class RememberedTemperature:
     """How warm a device's wire counts at opening, and the place where its temperature is kept from then on.
 
-    Parameters
-    ----------
-    identity
-        Identity of the device; None keeps nothing, and the wire is as warm as it is stated.
-    limits
-        Limits of the wire, with its heat balance.
-    stated_k
-        How warm the wire is, if that is not known here [K]; None if that is not stated.
-    kept
-        Where it is kept; by default in the device's file in the user's state folder.
-    clock
-        Returns this moment.
-
-    Attributes
-    ----------
-    at_opening
-        How warm the wire counts at opening.
+    Without an identity nothing is kept, and the wire is as warm as it is stated.
     """
 
     def __init__(

@@ -82,8 +82,7 @@ class ReplayConfiguration(DeviceConfiguration):
 class ReplayDevice:
     """Returns the samples of a recording in their order; a drive only decides whether they still apply.
 
-    A replay heats nothing: it repeats a wire's response to the drives of the recording. So every drive is compared with
-    the recorded one, and if they differ the samples are not a response to the new drive.
+    A replay heats nothing: samples are no response to a drive that differs from the recorded one.
     """
 
     def __init__(self, configuration: ReplayConfiguration) -> None:

@@ -165,44 +165,10 @@ class SimulatedDevice:
 
     It returns the readings that real instruments would: voltages in steps of the converter with its noise, a
     displacement and a force with theirs. Temperature, phases and parameters are not among them; ``wire_state`` is for
-    judging a simulation, never for an estimator.
-
-    Parameters
-    ----------
-    spool
-        The wire, its alloy, its bench, and whether it is new.
-    parts
-        Load of the wire; without any, the bench's spring.
-    surroundings
-        How the air moves and changes its temperature; still air of the bench's temperature if None.
-    seed
-        Seed of the instruments' noise and of the air's movement.
-    real_time
-        Whether samples keep the pace of the machine's clock; as fast as possible otherwise.
-    limits
-        Limits of the protection that differ from those that follow from wire and bench, by their names in
-        ``ProtectionLimits``; none if None.
-    stated
-        What else a recording is to say of wire and circuit, as the keys of the rig's file state it; nothing if None.
-
-    Attributes
-    ----------
-    wires, mechanism
-        The wire or wires with their present state, and what they pull at this setting of the stages.
-    instruments, air
-        Instruments and moving air, with their generators of random numbers; ``air`` is None if it is still.
-    stepping
-        How a sample is divided into steps.
-    uncompiled
-        What of the device has no compiled form, in words; "" if its loops can be compiled.
-
-    Raises
-    ------
-    CallerError
-        For numbers that cannot belong to a bench.
+    judging a simulation, never for an estimator. Raises CallerError for numbers that cannot belong to a bench.
     """
 
-    uncompiled: ClassVar[str] = ""
+    uncompiled: ClassVar[str] = ""  # what of the device has no compiled form, in words
 
     def __init__(
         self,
@@ -284,16 +250,7 @@ class SimulatedDevice:
     def adopt(self, drive_voltage_v: float, rng: np.random.Generator, air: AirModel | None, held_m: float) -> None:
         """Go on from samples in compiled code; the wires' own state is theirs.
 
-        Parameters
-        ----------
-        drive_voltage_v
-            Drive voltage at the output [V].
-        rng
-            Generator of the instruments' noise.
-        air
-            The air, None if it is still.
-        held_m
-            Length by which friction has held the connector ahead of a slack wire at most [m].
+        ``held_m`` is the length by which friction has held the connector ahead of a slack wire at most.
         """
         self._drive_voltage_v, self.air, self._held_m = drive_voltage_v, air, max(self._held_m, held_m)
         self.instruments.take_generator(rng)

@@ -13,8 +13,8 @@ MAX_DIFFERENCE = 0.1
 class TwoClocks:
     """The times that a heated wire's samples cover, by the longer of two clocks, and whether the two differ for good.
 
-    A sample that arrives late was not late at the device, and the next one comes the sooner: so it is the whole time
-    since the drive was last at the sense voltage that is compared, not each sample's.
+    A late sample was not late at the device, and the next one comes the sooner: so the whole time since the drive was
+    last at the sense voltage is compared, not each sample's.
     """
 
     def __init__(self) -> None:

@@ -55,11 +55,10 @@ class RigArrays(NamedTuple):
     The wire is ``states``, ``constants``, ``cells`` and ``load``, arrays of one record each; ``plan`` says how a sample
     is divided into steps. ``noise`` has a row of standard normal numbers for each sample, in the order in which the
     instruments draw them; ``air`` the temperature [K] and the surface times the convection factor [m2] of each sample,
-    no rows in still air.
-    ``readings`` and ``scales`` are those of the instruments. Of the wire's state, the numbers in ``places`` are written
-    into ``true`` after each sample. ``shown`` has a row for each sample, which begins with ``RIG_COLUMNS``;
-    ``true_displacement_m`` the true mean of the connector's displacement, ``held_m`` by how much friction held it ahead
-    of the wire at most, (1,).
+    no rows in still air. ``readings`` and ``scales`` are those of the instruments. Of the wire's state, the numbers in
+    ``places`` are written into ``true`` after each sample. ``shown`` has a row for each sample, which begins with
+    ``RIG_COLUMNS``; ``true_displacement_m`` the true mean of the connector's displacement, ``held_m`` by how much
+    friction held it ahead of the wire at most, (1,).
     """
 
     states: Rows

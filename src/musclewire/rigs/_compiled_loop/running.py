@@ -117,11 +117,10 @@ def run_compiled(
 ) -> CompiledRun:
     """Run a closed loop from the present state of a rig, and leave the rig as these samples leave it.
 
-    A rig to which something unusual happens on the way is left as it was before. ``ends_after`` is shown the run and
-    may say after how many samples it is to end instead. ``elapsed_s``, (n_samples,), are the times of the samples in
-    the recording; ``targets``, (2, n_samples), those that held while each sample was taken and those that hold after
-    it. A loop that goes on finds the protection in the state RUN. The interpreter is free meanwhile: loops of several
-    rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
+    A rig to which something unusual happens on the way is left as it was before. ``ends_after`` may say after how many
+    samples the run is to end instead. ``targets``, (2, n_samples), are those that held while each sample was taken and
+    those that hold after it. A loop that goes on finds the protection in the state RUN. The interpreter is free
+    meanwhile: loops of several rigs run in threads. Raises CallerError for a rig whose loop has no compiled form.
     """
     device, wire = parts_of(rig, state)
     samples, period_s = targets.shape[1], rig.sample_period_s
