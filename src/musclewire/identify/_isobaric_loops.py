@@ -85,8 +85,8 @@ def simulated_isobar(
 def summarize_isobar(isobar: IsobaricLoop) -> IsobarSummary:
     """Return stroke and transformation temperatures of a loop, measured or simulated.
 
-    The stroke is largest minus smallest strain; a branch is complete by 10 % when it has covered a tenth of its
-    own range. Raises RecordingError if the loop has no stroke or temperature does not rise and fall.
+    A branch is complete by 10 % when it has covered a tenth of its own range of strain. Raises RecordingError if the
+    loop has no stroke or temperature does not rise and fall.
     """
     hottest = int(np.argmax(isobar.temperature_k))
     stroke = float(np.ptp(isobar.strain))

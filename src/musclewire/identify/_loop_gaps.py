@@ -95,21 +95,7 @@ def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:
 
 
 def force_is_level(force: FloatArray, strain: FloatArray, segments: LoopSegments) -> str:
-    """Return in words that a force does not rise with the contraction, as without a spring; "" if it does.
-
-    Parameters
-    ----------
-    force
-        The force in every sample [N], (n_times,).
-    strain
-        The strain in every sample, (n_times,).
-    segments
-        Points A, B and C of the loop.
-
-    Returns
-    -------
-    Why there is no gap of force, for a message.
-    """
+    """Return in words that a force does not rise with the contraction, as without a spring; "" if it does."""
     heating, cooling = branches_of(segments)
     strains, forces = (np.concatenate([column[heating], column[cooling]]) for column in (strain, force))
     on_cooling = np.arange(strains.size) >= heating.stop - heating.start
@@ -125,25 +111,9 @@ def force_is_level(force: FloatArray, strain: FloatArray, segments: LoopSegments
 
 
 def gap_in(segments: LoopSegments, reading: ArrayReading, values: FloatArray) -> float:
-    """Return the gap of a quantity between the branches of a loop, at equal resistance from B to C.
+    """Return a quantity's gap between the branches at equal resistance, as a fraction of its largest value.
 
-    Parameters
-    ----------
-    segments
-        Points A, B and C of the loop.
-    reading
-        Resistance of every sample, and whether it is valid.
-    values
-        The quantity in every sample, (n_times,), in any unit.
-
-    Returns
-    -------
-    The gap as a fraction of the quantity's largest value.
-
-    Raises
-    ------
-    RecordingError
-        If the branches share no resistance.
+    Raises RecordingError if the branches share no resistance.
     """
     resistance, valid = reading.resistance_ohm, reading.valid
     branches = [(resistance[part][valid[part]], values[part][valid[part]]) for part in branches_of(segments)]

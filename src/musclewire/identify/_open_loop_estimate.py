@@ -29,25 +29,8 @@ def open_loop_estimate(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the model's quantity and its standard deviation, both (n_times,), by the current alone.
 
-    Parameters
-    ----------
-    model
-        The model, for its quantity and range.
-    recording
-        A recording with the current; the wire is at rest and cold before it.
-    wire
-        The user's wire on the load of the recording.
-    air_k
-        The air's temperature [K]; None for that of the wire file.
-
-    Returns
-    -------
-    Strain as a fraction, displacement [m] or contraction force [N], and its standard deviation in the same unit.
-
-    Raises
-    ------
-    RecordingError
-        If the current is not known in some rows.
+    The wire is at rest and cold before the recording; ``wire`` is on its load. Without ``air_k`` the wire file's
+    counts. Raises RecordingError if the current is not known in some rows.
     """
     unknown = ~asked_once(recording, JudgedRecording).measured[0]
     if unknown.any():

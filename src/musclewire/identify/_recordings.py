@@ -27,9 +27,8 @@ DIVIDED_BY = "divided_by_ohm"
 def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
     """Return a recording with resistance over the cold wire's, with which it begins, and that of the cold wire [ohm].
 
-    So a model of one wire or coil reads another of the kind. The wire's voltage is divided like its resistance, and
-    power with it; a drive that was recorded is left out, as it would contradict both. Raises RecordingError for one
-    that begins warm.
+    So a model of one wire or coil reads another of the kind. The wire's voltage and power are divided, too; a recorded
+    drive is left out, as it would contradict both. Raises RecordingError for one that begins warm.
     """
     reading = resistance_reading(recording)
     rows = cold_rows(recording, reading)
@@ -86,23 +85,8 @@ def begins_warm(recording: Recording, reading: ArrayReading, rows: NDArray[np.in
 def required_quantity(recording: Recording, quantity: str = "strain") -> FloatArray:
     """Return the quantity of :func:`reference_quantity`, which must be in the recording.
 
-    Parameters
-    ----------
-    recording
-        A recording of a rig with reference instruments.
-    quantity
-        "strain", "displacement" or "force".
-
-    Returns
-    -------
-    Strain, displacement [m] or contraction force [N], (n_times,).
-
-    Raises
-    ------
-    RecordingError
-        If the recording lacks the instrument for it; the message names the column. Or for a strain that no wire has.
-    CallerError
-        For an unknown quantity.
+    Raises RecordingError that names the column if the recording lacks the instrument, or for a strain that no wire has,
+    and CallerError for an unknown quantity.
     """
     found = measured_quantity(recording, quantity)
     if found is None:

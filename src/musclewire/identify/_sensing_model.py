@@ -88,8 +88,8 @@ def dated_back(
 ) -> NDArray[np.bool_]:
     """Return where the wire is sensed, with each change of segment dated back to the extreme it is counted from.
 
-    A loop learns that B is behind it only when the resistance has moved away from there by 2 % of its span, which takes
-    a slowly cooling wire a quarter of a minute. In a whole recording it is known when the resistance turned.
+    A loop learns that B is behind it only when the resistance has moved by 2 % of its span, which takes a slowly
+    cooling wire a quarter of a minute. In a whole recording it is known when the resistance turned.
     """
     sensing = np.zeros(resistance_ohm.shape, dtype=np.bool_)
     rows = np.flatnonzero(valid)
@@ -358,10 +358,7 @@ def motion_in(recording: Recording, reading: ArrayReading, measured: FloatArray,
 
 
 def reading_and_quantity(recording: Recording, quantity: str) -> tuple[ArrayReading, FloatArray]:
-    """Return the resistance and the measured quantity of a recording.
-
-    Raises RecordingError that names all that is missing for both, at once.
-    """
+    """Return resistance and measured quantity of a recording; RecordingError names at once all that both lack."""
     missing = []
     for found in (resistance_reading, lambda given: quantity_to_fit(given, quantity)):
         try:
@@ -389,20 +386,9 @@ def not_done(recording: Recording) -> tuple[str, ...]:
 
 
 def fit_table(recording: Recording, order: int | str) -> SensingModel:
-    """Fit a printed loop: strain on both branches at given resistances.
+    """Fit a printed loop, such as the paper's Table 2: strain on both branches at given resistances.
 
-    Parameters
-    ----------
-    recording
-        A table with the columns ``resistance_ohm``, ``strain_heating`` and ``strain_cooling``, such as the paper's
-        Table 2.
-    order
-        Order of both polynomials, or "auto" to choose it by cross-validation.
-
-    Returns
-    -------
-    The model; its limits of resistance are the recording's ``resistance_min_ohm`` and ``resistance_max_ohm``, or the
-    ends of the heating branch without them.
+    Limits of resistance are those that the table states, or the ends of the heating branch.
     """
     resistance = recording["resistance_ohm"]
     return fit_branches(

@@ -45,21 +45,11 @@ FREQUENCIES_RAD_PER_S = np.geomspace(1e-2, 1e3, 4000)
 
 
 class StabilityMargins(NamedTuple):
-    """Stability margins of the feedback at the worst level of both branches.
+    """Stability margins of the feedback at the worst level of both branches."""
 
-    Parameters
-    ----------
-    gain
-        Factor by which the gain may rise.
-    phase_rad
-        Phase that may be lost at the crossover [rad].
-    delay_s
-        Further dead time [s] that the loop bears.
-    """
-
-    gain: float
-    phase_rad: float
-    delay_s: float
+    gain: float  # factor by which the gain may rise
+    phase_rad: float  # may be lost at the crossover
+    delay_s: float  # further dead time that the loop bears
 
 
 @dataclass(frozen=True)
@@ -368,7 +358,7 @@ def margins_of(gain: float, slope: float, plant: FeedforwardSettings) -> Stabili
 def fuzzy_scale(model: SensingModel, plant: FeedforwardSettings) -> float:
     """Return the fuzzy PID's volts per error unit at which the middle of its K_p is the K_c of SIMC.
 
-    Its range of K_p and K_I stays the paper's. The smallest K_c of both branches counts, as the paper's gains do not
+    Its range of K_p and K_I stays the paper's. The smaller K_c of both branches counts, as the paper's gains do not
     follow strain.
     """
     middle = len(plant.resistance_ohm) // 2

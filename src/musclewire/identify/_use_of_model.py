@@ -49,18 +49,9 @@ def check_wire_file(wire_file: str | Path | None, estimator: Any) -> None:
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
-    """Return the amount of the model's quantity that the controller treats as one percent strain.
+    """Return the amount of the model's quantity, in its SI unit, that the controller treats as one percent strain.
 
-    Parameters
-    ----------
-    model
-        The model of the wire.
-    load
-        A known spring with friction, over which the range to be passed is larger; None for no known load.
-
-    Returns
-    -------
-    The amount in the quantity's SI unit: 0.01 for strain.
+    With a known spring with friction the range to be passed is larger.
     """
     if model.quantity == "strain":
         return PERCENT_STRAIN
@@ -69,23 +60,10 @@ def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> floa
 
 
 def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
-    """Return the gains that a model keeps, for a loop of a sample period.
+    """Return the gains that a model keeps, for a loop of a sample period; None if it keeps none.
 
-    Parameters
-    ----------
-    model
-        The model, as ``fit`` returns it.
-    sample_period_s
-        Time [s] between two samples of the loop; longer than in the slow loop, it makes the loop slower.
-
-    Returns
-    -------
-    Controller and settings; None for a model without gains.
-
-    Raises
-    ------
-    CallerError
-        If what the model keeps are no gains.
+    A period longer than in the slow loop makes the loop slower. Raises CallerError if what the model keeps are no
+    gains.
     """
     if not model.gains:
         return None
@@ -98,16 +76,7 @@ def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
 def at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
     """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
 
-    Parameters
-    ----------
-    plant
-        The plant, as ``tune`` finds it, with the dead time of the recording's samples.
-    sample_period_s
-        Time [s] between two samples of the loop.
-
-    Returns
-    -------
-    The plant with the dead time of these samples and, by SIMC, tau_c no shorter than it; unchanged for faster ones.
+    It has the dead time of these samples and, by SIMC, tau_c no shorter than it; for faster ones it is unchanged.
     """
     dead_s = DEAD_SAMPLES * sample_period_s
     if dead_s <= plant.dead_time_s:
@@ -132,8 +101,8 @@ def check_made_for(
 ) -> None:
     """Raise CallerError if a model is not for the wire, length or finger that a rig's metadata name.
 
-    Nor is one of resistance over the cold wire's for any rig. ``place`` is who names another one, and ``cure`` what the
-    caller does about it, both for the message.
+    Nor is one of resistance over the cold wire's for any rig. ``place`` and ``cure`` are for the message: who names
+    another one, and what to do about it.
     """
     require_ohms(model)
     fitted, mounted = model.wire.get("wire"), known.get("wire")
@@ -179,15 +148,6 @@ def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
 def known_against(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, str]:
     """Return what is known against a closed loop before it begins, by its name in the recording.
 
-    Parameters
-    ----------
-    model
-        The model of the loop.
-    known
-        Metadata of the rig.
-
-    Returns
-    -------
     ``other_load``, if the rig states another load than the model's, and ``model_does_not_hold``, if the fit said so.
     """
     bad_fit = "" if model.holds else f"the model does not hold: {model.does_not_hold}"
@@ -198,16 +158,7 @@ def known_against(model: SensingModel, known: Mapping[str, MetadataValue]) -> di
 def load_facts(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, MetadataValue]:
     """Return what a run's recording says of its model and load: what is known against them, and B to compare.
 
-    Parameters
-    ----------
-    model
-        The model of the wire.
-    known
-        Metadata of the rig.
-
-    Returns
-    -------
-    As :func:`known_against`; B, C and the rise to B of the slow loop [ohm], with the standard deviation [ohm] with
+    Besides :func:`known_against` B, C and the rise to B of the slow loop [ohm], with the standard deviation [ohm] with
     which B repeats, or ``b_not_compared``, why there is no B; ``sensed_range``, how far the model senses.
     """
     sensed = {"sensed_range": model.quantity_max - model.quantity_min}
@@ -221,23 +172,10 @@ LOAD = ("spring_stiffness_n_per_m", "pretension_n", "wire_length_m")
 
 
 def users_wire(path: str | Path, known: Mapping[str, MetadataValue]) -> WireConstants:
-    """Return the constants of a wire file's wire on the load that a rig or a recording states.
+    """Return a wire file's constants, cooled under the pretension, on the load that a rig or recording states.
 
-    Parameters
-    ----------
-    path
-        The wire file (.toml), as ``calibrate`` writes it.
-    known
-        Metadata of a rig or a recording: length, pretension and stiffness count before those in the file.
-
-    Returns
-    -------
-    The constants, cooled under the pretension.
-
-    Raises
-    ------
-    CallerError
-        If it is no wire file, or neither it nor the metadata state length, pretension and stiffness of a spring.
+    Length, pretension and stiffness of the metadata count before those in the file. Raises CallerError if it is no wire
+    file, or neither it nor the metadata state length, pretension and stiffness of a spring.
     """
     name = str(path)
     if not is_wire_file(name):

@@ -42,19 +42,10 @@ class ZeroOfRoom(NamedTuple):
 
 
 def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | None:
-    """Return the contraction that cooling leaves for each kelvin by which it ends warmer.
+    """Return the contraction, in the unit of ``moved``, that cooling leaves for each kelvin by which it ends warmer.
 
-    Parameters
-    ----------
-    recording
-        A slow loop with voltages; its metadata state the wire's heat capacity and loss.
-    moved
-        Strain or displacement, (n_times,).
-
-    Returns
-    -------
-    The slope over the cold end of the last cooling, in the unit of ``moved`` per kelvin; None if the recording does not
-    state the heat balance, does not cool that far, or shows nothing that is left.
+    The slope is over the cold end of the last cooling; None if the recording does not state the heat balance, does not
+    cool that far, or shows nothing that is left.
     """
     finite = np.isfinite(moved)
     if not finite.any():
@@ -79,16 +70,7 @@ def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | N
 def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> ZeroOfRoom | None:
     """Return by how much strain from today's zero differs from the model's, since the room is another one.
 
-    Parameters
-    ----------
-    model
-        The model; its notes state the air of its slow loop, as the rig file had it.
-    known
-        Metadata of the rig, with the air of today.
-
-    Returns
-    -------
-    The shift; None in the same room, if one of both temperatures is not known, and for force.
+    None in the same room, if one of both temperatures is not known, and for force.
     """
     fitted = RunFacts(model.wire, "this model")
     then_k, slope = fitted.number_or_none(ROOM), fitted.number_or_none(NOTE)

@@ -97,34 +97,12 @@ def homed_model(
 ) -> Homing:
     """Return the model of today from a recorded home sweep: pure, and driven by nobody.
 
-    Parameters
-    ----------
-    model
-        The model as it is; it must have been fitted to a recording with voltages.
-    recording
-        The sweep, from cold to beyond the transformation and back, with voltages and the rig's heat capacity and loss.
-    load_n
-        Force of the cold wire during the sweep [N], if it is known to be that of the characterization; another one is
-        refused. If None, what has changed must show in B and C.
-    ambient_k
-        Measured temperature of the air [K]; None for the mean of the recording's own thermometer, if it has one.
-        It is compared with that of the characterization, as the model states it.
-    cycles
-        Cycles that the wire has made since its characterization, if they were counted; recorded.
-
-    Returns
-    -------
-    Model, findings and notes.
-
-    Raises
-    ------
-    CallerError
-        For a model without the power of its loop, another load than the model's, or air of an impossible temperature.
-    RecordingError
-        For a sweep that is incomplete or began warm.
-    FitRejectedError
-        For a sweep that a changed load explains as well as a changed wire, and for one of another shape, another wire,
-        or numbers that no wire has.
+    ``load_n`` is given if it is known to be that of the characterization; otherwise what has changed must show in B and
+    C. ``ambient_k`` is measured, by default by the recording's own thermometer, and compared with what the model
+    states. Raises CallerError for a model without the power of its loop, another load than the model's, or air of an
+    impossible temperature, RecordingError for a sweep that is incomplete or began warm, and FitRejectedError for one
+    that a changed load explains as well as a changed wire, and for one of another shape, another wire, or numbers that
+    no wire has.
     """
     assumed_n = require_load(model, load_n)
     before = loop_of(model)
@@ -396,25 +374,9 @@ POINTS = 200
 
 
 def homing_figure(before: SensingModel, found: Homing, *, style: str = "screen") -> Figure:
-    """Draw a model's curve before and after a home move, and how far its resistance moved at B and at C.
+    """Draw a model's curve before and after a home move, and how far its resistance moved at B and C.
 
-    Parameters
-    ----------
-    before
-        The model that the home move was made with.
-    found
-        What the home move found.
-    style
-        Size and fonts of the figure, as in ``Recording.plot``.
-
-    Returns
-    -------
-    A matplotlib figure; bars are two standard deviations.
-
-    Raises
-    ------
-    CallerError
-        For an unknown style; the message suggests the nearest.
+    Bars are two standard deviations. Raises CallerError for an unknown style; the message suggests the nearest.
     """
     from musclewire.figures import panels_side_by_side
 

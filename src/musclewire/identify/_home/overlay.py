@@ -30,37 +30,18 @@ EARLY, LATE = 0.25, 0.75
 
 
 class Overlay(NamedTuple):
-    """What lays a loop's fall over that of a sweep.
+    """What lays a loop's fall over that of a sweep."""
 
-    Parameters
-    ----------
-    scale
-        The fall of the sweep over that of the loop between the same two points of the curve.
-    scale_std
-        Its standard deviation.
-    stretch
-        Warming of the sweep, by the nominal loss to the air, over that of the loop: the ratio of the losses where only
-        the air's flow has changed.
-    stretch_std
-        Its standard deviation.
-    warmer_k
-        By how much more the middle of the fall warms than in the loop, by the nominal loss [K].
-    middle_k
-        Warming of the loop in the middle of its fall [K].
-    covered
-        Part of the loop's points that the sweep reached.
-    misfit_ohm
-        Root mean square of what is left [ohm].
-    """
-
-    scale: float
+    scale: float  # the fall of the sweep over that of the loop between the same two points of the curve
     scale_std: float
+    # Warming of the sweep over that of the loop, by the nominal loss to the air: the ratio of the losses where only the
+    # air's flow has changed.
     stretch: float
     stretch_std: float
-    warmer_k: float
-    middle_k: float
-    covered: float
-    misfit_ohm: float
+    warmer_k: float  # by how much more the middle of the fall warms than in the loop, by the nominal loss
+    middle_k: float  # warming of the loop in the middle of its fall
+    covered: float  # part of the loop's points that the sweep reached
+    misfit_ohm: float  # root mean square of what is left
 
 
 class Fall(NamedTuple):
@@ -86,25 +67,7 @@ class Fall(NamedTuple):
 def overlay_of(
     loop: HeatCourse, sweep: HeatCourse, heat: HeatBalance, span_ohm: float, b_ohm: tuple[float, float]
 ) -> Overlay:
-    """Lay a loop's fall over that of a sweep by least squares.
-
-    Parameters
-    ----------
-    loop
-        The loop that the model was fitted to.
-    sweep
-        The sweep of today.
-    heat
-        Heat capacity and loss of the wire.
-    span_ohm
-        Fall of the loop from B to C [ohm].
-    b_ohm
-        Resistance at B in the loop and in the sweep [ohm].
-
-    Returns
-    -------
-    How fall and warming have changed, with their uncertainty.
-    """
+    """Lay a loop's fall over that of a sweep by least squares; ``b_ohm`` is the resistance at B in loop and sweep."""
     latent_k_per_ohm = LATENT_K / span_ohm
     then = Fall.of_course(loop, heat, latent_k_per_ohm)
     stretch = laid_over(then, Fall.of_course(sweep, heat, latent_k_per_ohm), span_ohm, b_ohm).stretch

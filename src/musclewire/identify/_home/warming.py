@@ -26,17 +26,7 @@ MIN_SAMPLES = 40
 
 
 class HeatCourse(NamedTuple):
-    """A wire heated and cooled once: what its voltages show, sample by sample.
-
-    Parameters
-    ----------
-    time_s
-        Time [s], (n_times,), rising.
-    power_w
-        Electrical power in the wire [W], (n_times,).
-    resistance_ohm
-        Resistance [ohm], (n_times,).
-    """
+    """A wire heated and cooled once: what its voltages show, sample by sample, each of shape (n_times,)."""
 
     time_s: FloatArray
     power_w: FloatArray
@@ -95,24 +85,12 @@ PIECES, SLOPE_PIECES = 40, 4
 
 
 class SeenPoints(NamedTuple):
-    """Points B and C of a course, None for one that it does not show.
+    """Points B and C of a course, None for one that it does not show."""
 
-    Parameters
-    ----------
-    heating_b_ohm
-        Resistance at B on the way up [ohm].
-    cooling_b_ohm
-        Resistance at B on the way down [ohm]; on some wires there is no maximum.
-    c_ohm
-        Resistance at C [ohm], if it rises again or has levelled off.
-    lowest_ohm
-        Lowest resistance on the way up [ohm], C or merely where the drive turned.
-    """
-
-    heating_b_ohm: float | None
-    cooling_b_ohm: float | None
-    c_ohm: float | None
-    lowest_ohm: float
+    heating_b_ohm: float | None  # on the way up
+    cooling_b_ohm: float | None  # on the way down; on some wires there is no maximum
+    c_ohm: float | None  # if the resistance rises again or has levelled off
+    lowest_ohm: float  # on the way up, C or merely where the drive turned
 
 
 def seen_points(course: HeatCourse) -> SeenPoints:
@@ -158,17 +136,9 @@ def has_levelled(power_w: FloatArray, resistance_ohm: FloatArray, fraction: floa
 
 
 def shows_c(recording: Recording) -> bool | None:
-    """Return whether the last cycle of a slow loop shows C.
+    """Return whether a slow loop's last cycle shows C: resistance rises again or has levelled off at the hottest.
 
-    Parameters
-    ----------
-    recording
-        The loop, with the column ``cycle`` and both voltages, as ``characterize`` records it.
-
-    Returns
-    -------
-    True if the resistance rises again or has levelled off where the wire is hottest; False if it still falls there, so
-    that C is only the turning point of the drive; None if the recording shows no transformation or no power.
+    None if the recording shows no transformation or no power.
     """
     if "cycle" not in recording or "wire_voltage_v" not in recording:
         return None

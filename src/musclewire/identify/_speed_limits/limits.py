@@ -42,33 +42,17 @@ AMPLE = 100.0
 
 
 class SufficientChanges(NamedTuple):
-    """What each change alone must be, so that the wire follows; None if it is not needed or does not suffice.
+    """What each change alone must be, so that the wire follows; None if it is not needed or does not suffice."""
 
-    Parameters
-    ----------
-    slower
-        Factor by which the whole reference takes longer.
-    heat_loss
-        Factor on the heat loss to the air, as by moving air.
-    diameter_m
-        Diameter of the wire [m] at the same stress.
-    diameter_power
-        Power of the diameter with which loss over capacity goes, between both diameters.
-    pull
-        Force of that wire over the force of this one.
-    antagonist_stress_pa
-        Stress [Pa] that an antagonist adds while the wire cools, which raises its transformation temperatures.
-    voltage
-        Factor on the maximum voltage, for heating.
-    """
-
-    slower: float | None = None
-    heat_loss: float | None = None
-    diameter_m: float | None = None
+    slower: float | None = None  # factor by which the whole reference takes longer
+    heat_loss: float | None = None  # factor on the heat loss to the air, as by moving air
+    diameter_m: float | None = None  # at the same stress
+    # Power of the diameter with which loss over capacity goes, between both diameters.
     diameter_power: float | None = None
-    pull: float | None = None
+    pull: float | None = None  # force of that wire over the force of this one
+    # Added by an antagonist while the wire cools, which raises its transformation temperatures.
     antagonist_stress_pa: float | None = None
-    voltage: float | None = None
+    voltage: float | None = None  # factor on the maximum voltage, for heating
 
     def text(self, direction: str) -> str:
         """Return what helps cooling or heating, in words with numbers."""
@@ -187,33 +171,15 @@ IN_STEP = 0.95
 
 
 class TooFast(NamedTuple):
-    """One stretch of a reference that the wire cannot follow.
+    """One stretch of a reference that the wire cannot follow."""
 
-    Parameters
-    ----------
-    direction
-        "cooling" or "heating": what is too slow.
-    start_s
-        Time [s] in the reference at which the first missed target begins.
-    stop_s
-        Time [s] at which the last missed one ends.
-    missed
-        Largest distance from the target when that ends, in the quantity's SI unit.
-    asked_per_s
-        Largest rate of the reference there, [1/s], a step counted over the time that it is held.
-    possible_per_s
-        Rate of the wire on its branch [1/s] where it misses most.
-    turn_s
-        Time [s] for which the wire stands still when it turns there, from branch to branch; infinite where the voltage
-        holds it for good.
-    """
-
-    direction: Literal["cooling", "heating"]
-    start_s: float
-    stop_s: float
-    missed: float
-    asked_per_s: float
-    possible_per_s: float
+    direction: Literal["cooling", "heating"]  # what is too slow
+    start_s: float  # start of the first missed target in the reference
+    stop_s: float  # end of the last missed one
+    missed: float  # largest distance from a target at its end, in the quantity's SI unit
+    asked_per_s: float  # largest rate of the reference there, a step counted over the time that it is held
+    possible_per_s: float  # of the wire on its branch where it misses most
+    # Standstill when the wire turns there, from branch to branch; infinite where the voltage holds it for good.
     turn_s: float
 
 
@@ -301,30 +267,10 @@ def speed_limits_of(
 ) -> SpeedLimits:
     """Return where a reference is faster than the wire of a model; the pure function behind ``mw.speed_limits``.
 
-    Parameters
-    ----------
-    model
-        The model of the wire, with the power through its slow loop.
-    reference
-        The targets, in the model's quantity.
-    facts
-        What a rig states: ``limit_heat_capacity_j_per_k``, ``limit_heat_loss_w_per_k``, the temperatures, voltages
-        and shunt of its protection, ``sample_period_s``, ``wire_diameter_m``.
-    settings
-        The plant that ``tune`` found; that of the model's slow loop if None.
-    from_cold
-        Whether the first step of a staircase begins with a cold wire; without, the wire is at its first target.
-
-    Returns
-    -------
-    Findings, amplitudes, and what would help.
-
-    Raises
-    ------
-    CallerError
-        If the settings are of another quantity.
-    RecordingError
-        If the model has no power through its loop, or the rig does not state its limits.
+    ``facts`` are what a rig states of its protection (limits of heat, temperature and voltage, shunt), of its sample
+    period and of the wire's diameter. Without ``settings`` the plant is that of the model's slow loop. Raises
+    CallerError if the settings are of another quantity. Raises RecordingError if the model has no power through its
+    loop, or the rig does not state its limits.
     """
     if settings is not None and settings.quantity != model.quantity:
         raise CallerError(f"the gains are for {settings.quantity}, the model for {model.quantity}: tune this model")
@@ -350,21 +296,9 @@ def speed_limits_of(
 class FastestWay:
     """How far from its target a wire is, sample by sample, if nothing but its speed limits holds it back.
 
-    Parameters
-    ----------
-    model
-        The model of the wire, with the power through its slow loop.
-    facts
-        What a rig states, as for ``speed_limits_of``.
-    settings
-        The plant that ``tune`` found; that of the model's slow loop if None.
-    from_cold
-        Whether the wire begins cold; without, it is at its first target.
-
-    Raises
-    ------
-    RecordingError
-        If the model has no power through its loop, or the rig does not state its limits.
+    Without ``settings`` the plant is that of the model's slow loop; the wire is at its first target unless
+    ``from_cold``. Raises RecordingError if the model has no power through its loop, or the rig does not state its
+    limits.
     """
 
     def __init__(
@@ -380,17 +314,10 @@ class FastestWay:
         self._power_w = self._heating.power_w(self._level)
 
     def miss(self, target: float) -> float:
-        """Return by how much the wire is above a target at the end of a sample that began with it.
+        """Return by how much the wire is at best above a target at the end of a sample that began with it.
 
-        Parameters
-        ----------
-        target
-            The target, in the model's quantity.
-
-        Returns
-        -------
-        Where the wire is at best less the target, in the same unit; of a cold wire, whose quantity is 0, all of it; 0
-        of one that this voltage takes no farther: that is no matter of time, and no speed limit.
+        A cold wire misses all of its target, and one that this voltage takes no farther nothing: that is no matter of
+        time, and no speed limit.
         """
         within = float(np.clip(target, self._plant.levels[0], self._plant.levels[-1]))
         if self._cold_s > 0.0:

@@ -49,33 +49,15 @@ def steady_levels(model: SensingModel, levels: FloatArray) -> SteadyLevels:
 
 
 class SpeedPlant(NamedTuple):
-    """What limits the speed of a wire.
+    """What limits the speed of a wire, by levels of the quantity: arrays of shape (n,)."""
 
-    Parameters
-    ----------
-    levels
-        Levels of the quantity, in its SI unit, (n,), rising.
-    heating_power_w
-        Power [W] that holds each level on the heating branch, (n,).
-    cooling_power_w
-        The same [W] on the cooling branch, (n,).
-    lowest_power_w
-        Power in the wire [W] at the sense voltage, at each level, (n,).
-    highest_power_w
-        Power in the wire [W] at the maximum voltage, at each level, (n,).
-    time_constant_s
-        Heat capacity over heat loss to the air [s].
-    heat_per_unit
-        Heat [J] that the transformation takes for one unit of the quantity.
-    """
-
-    levels: FloatArray
-    heating_power_w: FloatArray
-    cooling_power_w: FloatArray
-    lowest_power_w: FloatArray
-    highest_power_w: FloatArray
-    time_constant_s: float
-    heat_per_unit: float
+    levels: FloatArray  # in the quantity's SI unit, rising
+    heating_power_w: FloatArray  # holds each level on the heating branch
+    cooling_power_w: FloatArray  # holds each level on the cooling branch
+    lowest_power_w: FloatArray  # in the wire at the sense voltage, at each level
+    highest_power_w: FloatArray  # in the wire at the maximum voltage, at each level
+    time_constant_s: float  # heat capacity over heat loss to the air
+    heat_per_unit: float  # heat [J] that the transformation takes for one unit of the quantity
 
     def with_loss(self, factor: float) -> Self:
         """Return the plant with the loss to the air times a factor."""
@@ -197,8 +179,8 @@ def branches_of(plant: SpeedPlant) -> tuple[TimedBranch, TimedBranch]:
 def followed(plant: SpeedPlant, targets: FloatArray, period_s: float) -> FloatArray:
     """Return where the wire is at the end of each period, (n,), if each target holds for one period.
 
-    It begins at the first target, on the heating branch. Between the branches it stands still and only its temperature
-    changes. No controller does better without knowing targets beforehand.
+    It begins at the first target, on the heating branch; between the branches only its temperature changes. No
+    controller does better without knowing targets beforehand.
     """
     heating, cooling = branches_of(plant)
     level = float(np.clip(targets[0], plant.levels[0], plant.levels[-1]))

@@ -24,29 +24,14 @@ SETTLE_S = 1.0
 
 
 class WeakSupply(NamedTuple):
-    """The step that the supply makes latest.
+    """The step that the supply makes latest."""
 
-    Parameters
-    ----------
-    step
-        Its number, from 1.
-    start_s
-        Its start [s].
-    target
-        Its target, in the quantity's SI unit.
-    error_pct
-        The least error (Eq. 7) of this step by the supply alone [% of the target].
-    maximum_voltage_v
-        Maximum voltage of the rig [V].
-    sufficient_voltage_v
-        Maximum voltage [V] with which no step has more than 2.5 %; None if none up to 16 times as much has.
-    """
-
-    step: int
+    step: int  # its number, from 1
     start_s: float
-    target: float
-    error_pct: float
-    maximum_voltage_v: float
+    target: float  # in the quantity's SI unit
+    error_pct: float  # the least error (Eq. 7) of this step by the supply alone, of the target
+    maximum_voltage_v: float  # of the rig
+    # Least with which no step has more than 2.5 %; None if none up to 16 times as much has.
     sufficient_voltage_v: float | None
 
     def text(self, quantity: str) -> str:
@@ -65,12 +50,7 @@ class WeakSupply(NamedTuple):
 def warming_s(plant: SpeedPlant, dead_time_s: float) -> float:
     """Return the time [s] in which a cold wire comes to its lowest level at the maximum voltage; infinite if never.
 
-    Parameters
-    ----------
-    plant
-        The plant, cold: in balance with the power of its sense voltage.
-    dead_time_s
-        Time [s] until a command shows.
+    ``dead_time_s`` passes until a command shows.
     """
     cold_w, lowest_w, drive_w = plant.lowest_power_w[0], plant.heating_power_w[0], plant.highest_power_w[0]
     if drive_w <= lowest_w:
