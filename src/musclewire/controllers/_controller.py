@@ -37,46 +37,14 @@ class Controller(Protocol):
         ...
 
     def start(self, drive_voltage_v: float) -> Any:
-        """Return the state that takes over from a drive that is already applied.
-
-        Parameters
-        ----------
-        drive_voltage_v
-            The drive [V] that was commanded last; one outside of the limits counts as the nearest one.
-
-        Returns
-        -------
-        The state before the first estimate: an immutable value that only this controller reads.
-        """
+        """Return the immutable state that takes over from an applied drive, the nearest limit for one outside."""
         ...
 
     def step(self, state: Any, target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
-        """Return the command of the next sample period.
+        """Return command, next state and the numbers to record; pure: the same arguments give the same answer.
 
-        Pure: the same arguments give the same answer, and the state is not changed. An estimate without current
-        (``Reason.NO_CURRENT``) is bridged: the command is the last one.
-
-        Parameters
-        ----------
-        state
-            The state that ``start`` or the last ``step`` returned.
-        target
-            Target of the quantity, in its SI unit.
-        estimate
-            Estimate of the same quantity.
-        dt_s
-            Time [s] since the last step, above 0.
-
-        Returns
-        -------
-        Command, next state, and the numbers to record.
-
-        Raises
-        ------
-        NumericsError
-            If target or estimate is not finite.
-        CallerError
-            If ``dt_s`` is not above 0.
+        An estimate without current (``Reason.NO_CURRENT``) is bridged: the command is the last one. Raises
+        NumericsError if target or estimate is not finite, CallerError if ``dt_s`` is not above 0.
         """
         ...
 

@@ -1,8 +1,7 @@
 """Fuzzy inference: from the error and its change to the three gain ratios of the paper's Eq. 6.
 
-Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. The rules and the ways to combine them are
-in ``rules``; the compiled arithmetic is in ``kernels`` and is loaded on first use, because Numba
-takes a moment to import.
+Inputs are ratios in [-1, 1] (clipped), outputs ratios in [0, 1]. The compiled arithmetic is loaded on first use,
+because Numba takes a moment to import.
 """
 
 from __future__ import annotations
@@ -29,17 +28,7 @@ ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smalle
 
 
 class FuzzyRatios(NamedTuple):
-    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range.
-
-    Parameters
-    ----------
-    kp
-        Of the proportional gain, 0 (minimum) to 1 (maximum).
-    ki
-        Of the integral gain, 0 to 1.
-    kd
-        Of the derivative gain, 0 to 1.
-    """
+    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range, 0 (minimum) to 1 (maximum)."""
 
     kp: float
     ki: float
@@ -47,17 +36,7 @@ class FuzzyRatios(NamedTuple):
 
 
 class RatioSurface(NamedTuple):
-    """K_p', K_I' and K_D' over arrays of inputs.
-
-    Parameters
-    ----------
-    kp
-        Of the proportional gain, 0 to 1, of the inputs' common shape.
-    ki
-        Of the integral gain, alike.
-    kd
-        Of the derivative gain, alike.
-    """
+    """K_p', K_I' and K_D' over arrays of inputs, each 0 to 1 and of the inputs' common shape."""
 
     kp: FloatArray
     ki: FloatArray
@@ -95,28 +74,7 @@ def infer_ratios(rule_base: RuleBase, error_ratio: float, change_ratio: float) -
 
 
 def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: ArrayLike) -> RatioSurface:
-    """Return the three gain ratios over arrays of inputs, which are broadcast against each other.
-
-    Parameters
-    ----------
-    rule_base
-        The rules.
-    error_ratio
-        Errors over their range, clipped to [-1, 1], of any shape.
-    change_ratio
-        Rates of the error over their range, clipped to [-1, 1], of a shape that fits.
-
-    Returns
-    -------
-    The ratios, each 0 to 1 and of the inputs' common shape.
-
-    Raises
-    ------
-    CallerError
-        If the shapes do not fit each other.
-    NumericsError
-        If an input is NaN.
-    """
+    """Return the three gain ratios over arrays of inputs, clipped to [-1, 1] and broadcast against each other."""
     from musclewire.controllers import _kernels as kernels
 
     try:
@@ -141,10 +99,7 @@ def infer_surface(rule_base: RuleBase, error_ratio: ArrayLike, change_ratio: Arr
 
 
 def rule_weights(rule_base: RuleBase, error_ratio: float, change_ratio: float) -> FloatArray:
-    """Return how strongly each rule fires for two inputs, each clipped to [-1, 1].
-
-    The shape is (7, 7), the error's sets down, those of its change across. Constant rules have no weight.
-    """
+    """Return how strongly each rule fires for two inputs, (7, 7): the error's sets down, those of its change across."""
     from musclewire.controllers import _kernels as kernels
 
     weights = np.zeros((len(SET_NAMES), len(SET_NAMES)))

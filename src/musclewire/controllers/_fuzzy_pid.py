@@ -113,24 +113,7 @@ class FuzzyPidSettings(StrictModel):
 
 
 class FuzzyPidController:
-    """Fuzzy-tuned PID with drive limits, as a loop's controller (``controllers.Controller``).
-
-    Its state is a plain tuple in the order of ``kernels.PidState``. Building it compiles the tick (or loads it from the
-    cache), so that no step waits for it.
-
-    Parameters
-    ----------
-    settings
-        Gains, scales and the name of the rule base.
-    limits
-        The range of the drive.
-    rule_base
-        A rule base already loaded; the one that the settings name if None.
-
-    Raises
-    ------
-    CallerError
-        If the settings name no known rule base.
+    """Fuzzy-tuned PID with drive limits, as a loop's controller; its state is in the order of ``PidState``.
 
     References
     ----------
@@ -155,10 +138,7 @@ class FuzzyPidController:
         return f"FuzzyPidController({self.settings!r}, {self.limits!r}, rule_base={self.rule_base.name!r})"
 
     def start(self, drive_voltage_v: float) -> tuple[float, ...]:
-        """Return the state before the first estimate: the applied drive [V], within the limits.
-
-        A first step changes this drive by its integral part only, so that it takes over without a jump.
-        """
+        """Return the state at the applied drive within limits; a first step changes it by its integral part."""
         return (0.0, self.limits.clamp(float(drive_voltage_v)), 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def step(self, state: tuple[float, ...], target: float, estimate: QuantityEstimate, dt_s: float) -> ControlStep:
@@ -185,22 +165,7 @@ class FuzzyPidController:
 
 
 def fuzzy_pid_controller(setup: ControllerSetup) -> FuzzyPidController:
-    """Return the fuzzy-tuned PID for a loop.
-
-    Parameters
-    ----------
-    setup
-        Limits, error unit, and ``FuzzyPidSettings`` or None. Settings that name an error unit keep it.
-
-    Returns
-    -------
-    The controller, compiled.
-
-    Raises
-    ------
-    CallerError
-        If the settings are another controller's.
-    """
+    """Return the fuzzy-tuned PID for a loop; settings that name an error unit keep it."""
     settings = with_error_unit(settings_of_kind(setup, FuzzyPidSettings), setup.error_unit)
     return FuzzyPidController(settings, setup.limits)
 

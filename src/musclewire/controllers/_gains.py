@@ -27,22 +27,7 @@ KINDS = {
 
 
 def controller_of(settings: Any) -> str:
-    """Return the name of the controller that settings belong to.
-
-    Parameters
-    ----------
-    settings
-        Settings of a controller, with its name as ``of_controller``.
-
-    Returns
-    -------
-    Its name, as in ``CONTROLLERS``.
-
-    Raises
-    ------
-    CallerError
-        For settings of another kind: their controller has to be named.
-    """
+    """Return the name of the controller that settings belong to; CallerError for settings that do not say it."""
     name = getattr(settings, "of_controller", "")
     if not name:
         kind = type(settings).__name__
@@ -52,39 +37,14 @@ def controller_of(settings: Any) -> str:
 
 @dataclass(frozen=True)
 class Gains:
-    """The gains of a wire: a controller and its settings.
-
-    Parameters
-    ----------
-    controller
-        Name of the controller: "inverse-model" or "fuzzy-pid".
-    settings
-        Its settings; those of the fuzzy PID name their rule base.
-    """
+    """The gains of a wire: a controller and its settings."""
 
     controller: str
-    settings: FeedforwardSettings | FuzzyPidSettings
+    settings: FeedforwardSettings | FuzzyPidSettings  # those of the fuzzy PID name their rule base
 
     @classmethod
     def read(cls, kept: Mapping[str, Any], place: str) -> Gains:
-        """Return the gains of a table, as ``table`` gives it.
-
-        Parameters
-        ----------
-        kept
-            "controller", and the controller's settings by name.
-        place
-            Where the table is from, for messages: "gains file gains.toml".
-
-        Returns
-        -------
-        Controller and settings.
-
-        Raises
-        ------
-        CallerError
-            For an unknown controller or key; the message is one line.
-        """
+        """Return the gains of a table, as ``table`` gives it; ``place`` begins every message."""
         settings = dict(kept)
         controller = str(settings.pop("controller", ""))
         controller = REPLACED.get(controller, controller)  # of an older file
@@ -135,22 +95,7 @@ def load_gains(path: str | Path) -> Gains:
 
 
 def save_gains(gains: Gains, path: str | Path, notes: tuple[str, ...] = ()) -> None:
-    """Write a gains file.
-
-    Parameters
-    ----------
-    gains
-        Controller and settings.
-    path
-        File to write; one that exists is replaced.
-    notes
-        Comments at its top, a line each.
-
-    Raises
-    ------
-    CallerError
-        If the file cannot be written there.
-    """
+    """Write a gains file, or replace one, with notes as comments at its top, a line each."""
     content = {"format": FORMAT, "controller": gains.controller, "settings": gains.settings.model_dump()}
     try:
         Path(path).write_text("".join(f"# {note}\n" for note in notes) + toml_text(content), "utf-8")

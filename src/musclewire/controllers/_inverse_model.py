@@ -80,20 +80,13 @@ Row = Any
 
 
 class InverseModelNumbers(NamedTuple):
-    """Numbers of the method, chosen by ``python studies/controller_numbers.py``.
+    """Numbers of the method, chosen by ``python studies/controller_numbers.py``."""
 
-    Parameters
-    ----------
-    near
-        An error of so many deviations of the estimate counts half: fewer are quicker, and less quiet at rest.
-    turn
-        So many deviations turn the wire half: fewer are quicker, and turn it for less than a turn costs.
-    min_part
-        A wire is never taken to be given less than this part of the power that is asked for: less is a broken supply.
-    """
-
+    # An error of so many deviations of the estimate counts half: fewer are quicker, and less quiet at rest.
     near: float = 0.5
+    # So many deviations turn the wire half: fewer are quicker, and turn it for less than a turn costs.
     turn: float = 4.0
+    # A wire is never taken to be given less than this part of the power that is asked for: less is a broken supply.
     min_part: float = 0.5
 
 
@@ -170,10 +163,7 @@ def counted(error: float, deviation: float) -> float:
 def due_at(
     method: Row, wire: KnownWire, wire_now: WireNow, target: float, value: float, std: float
 ) -> tuple[float, float]:
-    """Return how much of the error counts, and the heat [J] that is due for it.
-
-    What goes along the branch ahead counts as far as the wire is on it, or is to be turned.
-    """
+    """Return how much of the error counts, and the heat [J] that is due for it along the branch or to turn."""
     error = target - value
     rises = error > 0.0
     left = 1.0 - wire_now.part if rises else -wire_now.part
@@ -241,18 +231,9 @@ def state_of_value(wire: KnownWire, state: Row, value: float, cold: bool, dt_s: 
 
 
 def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, float], FloatArray]:
-    """Return the numbers of wire and method that the tick reads, by name, and the tables, a row for each level.
+    """Return the tick's numbers of wire and method by name, and its tables; the header in C has both.
 
-    The header of its form in C is made from them; drive limits and shunt are the rig's.
-
-    Parameters
-    ----------
-    settings
-        The gains of the wire.
-
-    Returns
-    -------
-    Numbers by name; heating and cooling power [W], resistance [ohm] and both slopes at each level, (n, 5).
+    A row for each level, (n, 5): heating and cooling power [W], resistance [ohm], both slopes.
     """
     known = known_numbers(settings)
     numbers = {name: float(known[name]) for name in OF_THE_WIRE}
@@ -260,20 +241,7 @@ def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, floa
 
 
 class InverseModelController:
-    """Gives the power that holds the wire, and the heat that its error takes; brings a cold wire to its first target.
-
-    Parameters
-    ----------
-    setup
-        Limits of the drive, and ``FeedforwardSettings``.
-    method
-        Numbers of the method.
-
-    Raises
-    ------
-    CallerError
-        Without settings, or with those of another controller.
-    """
+    """Gives the power that holds the wire and the heat of its error; brings a cold wire to a first target."""
 
     columns: tuple[str, ...] = ("steady_power_w", "pending_heat_j", "power_limited")
     # The first target is reached from cold within its first second, so it needs no time before the first step.

@@ -1,10 +1,8 @@
 """The arithmetic of the fuzzy-tuned PID, compiled: memberships, inference, Eq. 6 and one tick of the velocity form.
 
-Everything is in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that
-a C translation can equal it to the bit. Rule base, settings and limits are passed as one structured array of length 1,
-whose fields ``FUZZY_PID`` names: every array passed from Python costs about 100 ns of the tick. (A field is read as
-``row["name"]``, which Numba and plain NumPy both understand.) ``_fuzzy.packed_rules`` fills in the rule base and
-``_fuzzy_pid`` the rest.
+All in this one file, in strict IEEE arithmetic and without allocation of unknown size, so that a C translation can
+equal it to the bit. Rule base, settings and limits are one structured array of length 1, whose fields ``FUZZY_PID``
+names: every array passed from Python costs about 100 ns of the tick.
 """
 
 from __future__ import annotations
@@ -52,35 +50,15 @@ NO_CURRENT = float(Reason.NO_CURRENT)
 
 
 class PidState(NamedTuple):
-    """What a PID remembers; errors and measurements in the unit of the controlled quantity, all numbers floats.
+    """What a PID remembers, in the unit of the controlled quantity; in compiled code a plain tuple in this order."""
 
-    In compiled code it is a plain tuple in this order.
-
-    Parameters
-    ----------
-    started
-        1 once there has been an estimate; until then only the drive counts.
-    drive_voltage_v
-        The last drive [V], as it was clamped.
-    error
-        The last error.
-    measured
-        The last measured value.
-    measured_rate
-        Its filtered rate, per second.
-    error_rate
-        The filtered rate of the error, per second.
-    rates_known
-        0 after a sample without current: the last measurement is then too old to make a rate with.
-    """
-
-    started: float
-    drive_voltage_v: float
+    started: float  # 1 once there has been an estimate; until then only the drive counts
+    drive_voltage_v: float  # as it was clamped
     error: float
     measured: float
-    measured_rate: float
-    error_rate: float
-    rates_known: float
+    measured_rate: float  # filtered, per second
+    error_rate: float  # filtered, per second
+    rates_known: float  # 0 after a sample without current: the last measurement is then too old to make a rate with
 
 
 Numbers = tuple[float, float, float, float, float, float, float]
@@ -120,10 +98,7 @@ def grade_inputs(rule: Row, ratio: float, grades: FloatArray) -> None:
 
 @compiled
 def weigh_rules(rules: Rows, error_ratio: float, change_ratio: float, weights: FloatArray) -> None:
-    """Write how strongly each rule fires for two inputs, each clipped to [-1, 1], into ``weights``, shape (7, 7).
-
-    The error's sets are down, those of its change across. Not for constant rules, which do not fire.
-    """
+    """Write how strongly each rule fires into ``weights``, (7, 7): sets of the error down, of its change across."""
     rule = rules[0]
     half = rule["mirrored"]
     if half != 0.0:
@@ -144,8 +119,8 @@ def weigh_rules(rules: Rows, error_ratio: float, change_ratio: float, weights: F
 def product_weighted_sum(rule: Row, weights: FloatArray) -> tuple[float, float, float]:
     """Return (kp, ki, kd) ratios after Zhao, Tomizuka, Isaka 1993, doi 10.1109/21.260670.
 
-    A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4
-    gives the values of Small and Big at that mu; the integral table holds its ratio already.
+    A rule fires with mu, the product of its two grades. Inverting mu_S = -ln(x)/4 and mu_B = -ln(1-x)/4 gives the
+    values of Small and Big at that mu; the integral table holds its ratio already.
     """
     kp_table, ki_table, kd_table = rule["kp_table"], rule["ki_table"], rule["kd_table"]
     kp = ki = kd = 0.0
@@ -177,8 +152,8 @@ def fire_labels(table: FloatArray, weights: FloatArray, fired: FloatArray) -> No
 def centroid_ratio(output_sets: FloatArray, fired: FloatArray, joined: FloatArray) -> float:
     """Return (1 + x)/2 for the centroid x (in units of the universe) of the output sets cut at ``fired``.
 
-    The joined set is piecewise linear between the 101 points, and its area and moment are exact: the two end
-    points carry half a cell, whose centre is a third of the spacing inwards.
+    The joined set is piecewise linear between the 101 points, and its area and moment are exact: the two end points
+    carry half a cell, whose centre is a third of the spacing inwards.
     """
     for point in range(UNIVERSE_POINTS):
         joined[point] = 0.0
@@ -234,20 +209,7 @@ def infer_many(rules: Rows, error_ratios: FloatArray, change_ratios: FloatArray,
 
 @compiled
 def gain_from_ratio(ratio: float, minimum: float, maximum: float) -> float:
-    """Return the gain for a fuzzy ratio (Eq. 6).
-
-    Parameters
-    ----------
-    ratio
-        What the rule base says, 0 to 1.
-    minimum
-        Smallest gain, at a ratio of 0; in any unit.
-    maximum
-        Largest gain, at a ratio of 1; in the unit of ``minimum``.
-
-    Returns
-    -------
-    K = (K_max - K_min) ratio + K_min, in the unit of the limits.
+    """Return the gain for a fuzzy ratio of 0 to 1 (Eq. 6): K = (K_max - K_min) ratio + K_min, in the limits' unit.
 
     References
     ----------
@@ -268,11 +230,9 @@ def rule_inputs(constants: Rows, error: float, error_rate: float) -> tuple[float
 def fuzzy_pid_step(
     state: Numbers, target: float, measured: float, reason: float, dt_s: float, constants: Rows
 ) -> tuple[Numbers, float, tuple[float, float, float]]:
-    """Advance by one tick; return the next state, whether it failed (0 or 1), and the three gains used.
+    """Advance by a tick of ``_fuzzy_pid``'s law; return next state, whether it failed (0 or 1), and the gains.
 
-    ``state`` is a plain tuple in the order of ``PidState``, ``reason`` that of the estimate. Without current the drive
-    stays, the rates are forgotten and no gains are used. The paper's percent strain enters by the error unit. See
-    ``_fuzzy_pid`` for the law and its reasons.
+    Without current the drive stays, the rates are forgotten and no gains are used.
     """
     started, drive_voltage_v, error_before, measured_before, measured_rate_before, error_rate_before, rates_known = (
         state

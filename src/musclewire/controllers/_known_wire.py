@@ -112,12 +112,7 @@ class FeedforwardSettings(StrictModel):
         return np.linspace(self.lowest, self.highest, len(self.heating_power_w))
 
     def branch_slopes(self) -> tuple[FloatArray, FloatArray]:
-        """Return the slopes of both branches at each level, smoothed and limited.
-
-        Returns
-        -------
-        dw/dS of heating and of cooling branch [W per unit of the quantity], (n,) each.
-        """
+        """Return dw/dS of heating and cooling branch [W per unit of the quantity], smoothed and limited."""
         return smoothed_slope(self.heating_power_w, self.levels), smoothed_slope(self.cooling_power_w, self.levels)
 
 

@@ -50,22 +50,7 @@ class PidSettings(StrictModel):
 
 
 def pid_controller(setup: ControllerSetup) -> FuzzyPidController:
-    """Return a plain PID for a loop.
-
-    Parameters
-    ----------
-    setup
-        Limits, error unit, and ``PidSettings`` or None. Settings that name an error unit keep it.
-
-    Returns
-    -------
-    The controller, compiled: the fuzzy-tuned PID, each of whose ranges of gains is one number.
-
-    Raises
-    ------
-    CallerError
-        If the settings are another controller's.
-    """
+    """Return a plain PID, the fuzzy one with one number for each range; a unit that settings name is kept."""
     settings: PidSettings = settings_of_kind(setup, PidSettings)
     named = "error_unit" in settings.model_fields_set
     constant = FuzzyPidSettings(

@@ -21,26 +21,7 @@ TITLES = ("$K_p'$ (proportional)", "$K_I'$ (integral)", "$K_D'$ (derivative)")
 def plot_rule_surfaces(
     rule_base: RuleBase, axes: Sequence[Axes] | None = None, *, style: str = "screen"
 ) -> tuple[Axes, Axes, Axes]:
-    """Draw the three ratios of Eq. 6 over both inputs, side by side on one colour scale from 0 to 1.
-
-    Parameters
-    ----------
-    rule_base
-        The rule base to draw.
-    axes
-        Three matplotlib axes to draw on; those of a new figure by default.
-    style
-        Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
-
-    Returns
-    -------
-    The three axes, in the order proportional, integral, derivative.
-
-    Raises
-    ------
-    CallerError
-        If ``axes`` are not three, or for an unknown style.
-    """
+    """Draw the three ratios of Eq. 6 over both inputs, side by side on one colour scale from 0 to 1."""
     if axes is not None:
         if len(axes) != 3:
             raise CallerError(f"plot_rule_surfaces needs three axes, not {len(axes)}")

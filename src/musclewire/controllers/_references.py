@@ -31,30 +31,10 @@ class Reference(Protocol):
         """Duration [s]."""
 
     def target_at(self, time_s: float) -> float:
-        """Return the target at one time.
-
-        Parameters
-        ----------
-        time_s
-            Time since the reference began [s], finite; before 0 and after the end the first and last target hold.
-
-        Returns
-        -------
-        The target: strain as a fraction, displacement [m] or force [N].
-        """
+        """Return the target; before 0 and after the end the first and the last target hold."""
 
     def targets_at(self, time_s: ArrayLike) -> FloatArray:
-        """Return the targets at many times.
-
-        Parameters
-        ----------
-        time_s
-            Times since the reference began [s], finite, of any shape.
-
-        Returns
-        -------
-        The targets, of the shape of the times.
-        """
+        """Return the targets in the shape of the times."""
 
 
 class HeldTargets:
@@ -65,44 +45,14 @@ class HeldTargets:
     _held: list[float]
 
     def target_at(self, time_s: float) -> float:
-        """Return the target at a time.
-
-        Parameters
-        ----------
-        time_s
-            Time since the reference began [s].
-
-        Returns
-        -------
-        The target.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
+        """Return the target at a finite time."""
         if not math.isfinite(time_s):
             raise CallerError(f"asked for the target at time {time_s} s; give a finite time")
         index = bisect_right(self._starts_s, time_s + CLOCK_TOLERANCE_S) - 1
         return self._held[index if index > 0 else 0]
 
     def targets_at(self, time_s: ArrayLike) -> FloatArray:
-        """Return the targets at many times.
-
-        Parameters
-        ----------
-        time_s
-            Times since the reference began [s], of any shape.
-
-        Returns
-        -------
-        The targets, of the shape of the times.
-
-        Raises
-        ------
-        CallerError
-            For a time that is not finite.
-        """
+        """Return the targets in the shape of the times, all finite."""
         times = np.asarray(time_s, dtype=np.float64)
         if not np.isfinite(times).all():
             raise CallerError(f"asked for the target at {times[~np.isfinite(times)][0]} s; give finite times")
@@ -112,24 +62,10 @@ class HeldTargets:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One level of a staircase.
+    """One level of a staircase, from ``start_s`` (included) to ``stop_s`` (not included)."""
 
-    Parameters
-    ----------
-    index
-        Its number, from 0.
-    target
-        Strain as a fraction, displacement [m] or force [N].
-    direction
-        "rise" or "return".
-    start_s
-        Its start [s], included.
-    stop_s
-        Its end [s], not included.
-    """
-
-    index: int
-    target: float
+    index: int  # from 0
+    target: float  # strain as a fraction, displacement [m] or force [N]
     direction: Direction
     start_s: float
     stop_s: float
@@ -137,25 +73,10 @@ class Step:
 
 @dataclass(frozen=True)
 class Staircase(HeldTargets):
-    """Levels held for the same time each, from time zero on.
+    """Levels held for the same time each; before time zero the first holds, after the end the last."""
 
-    Before time zero the target is the first level, after the end the last.
-
-    Parameters
-    ----------
-    levels
-        Targets: strain as a fraction, displacement [m] or force [N].
-    hold_s
-        Duration of each [s].
-
-    Raises
-    ------
-    CallerError
-        For no level, a level that is not finite, or a hold time that is not above zero.
-    """
-
-    levels: tuple[float, ...]
-    hold_s: float
+    levels: tuple[float, ...]  # strain as fractions, displacements [m] or forces [N]
+    hold_s: float  # of each
 
     def __post_init__(self) -> None:
         """Keep the levels as plain numbers and check them."""
@@ -186,20 +107,10 @@ class Staircase(HeldTargets):
 
 @dataclass(frozen=True, eq=False)
 class SampledReference(HeldTargets):
-    """A target given at certain times and held until the next (zero-order hold).
+    """Targets held from their times until the next (zero-order hold); before the first time the first holds."""
 
-    Before the first time the target is the first value, after the last time the last.
-
-    Parameters
-    ----------
-    time_s
-        Rising times [s], shape (n,).
-    target
-        The target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N].
-    """
-
-    time_s: FloatArray
-    target: FloatArray
+    time_s: FloatArray  # rising, (n,)
+    target: FloatArray  # strain as a fraction, displacement [m] or force [N], (n,)
 
     def __post_init__(self) -> None:
         """Keep the columns as plain numbers, too."""

@@ -195,26 +195,7 @@ def load_rule_base(name: str | Path = DEFAULT_RULE_BASE) -> RuleBase:
 
 
 def parse_rule_base(text: str, where: str = "rule base") -> RuleBase:
-    """Return the rule base written in a TOML text.
-
-    ``derives_from = "liu-7x7"`` takes all keys of a rule base of the package and lets the text replace some.
-
-    Parameters
-    ----------
-    text
-        The TOML text.
-    where
-        Begins every error message: the file, for example.
-
-    Returns
-    -------
-    The rule base, checked.
-
-    Raises
-    ------
-    CallerError
-        If it is not TOML, has an unknown or missing key, a table that is not 7x7, or a cell that is no set name.
-    """
+    """Return the checked rule base of a TOML text, which may derive from one of the package's."""
     values = toml_of(text, where)
     try:
         return RuleBase(**_with_parent(values))

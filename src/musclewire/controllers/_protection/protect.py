@@ -1,11 +1,9 @@
 """The protection's decisions, compiled: one row of numbers, one table, the same steps as in C library and firmware.
 
-All that a protection knows is one row, :class:`ProtectionState`; all that it goes by, limits and table, is another,
-:func:`rules_of`. Which state follows which is in the table (``data/protection.toml``) and nowhere else: ``follow`` is
-the only function that changes the state. What a reading shows (``conditions_in``) is one question, what follows from it
-another. A rig, loops in compiled code, environments and the reference of the exported library judge by these functions.
-None has a clock: the time that a reading covers is an argument. The owner of the output asks for the allowed drive
-before every change. All voltages in volts, times in seconds.
+Which state follows which is in the table (``data/protection.toml``) and nowhere else: ``follow`` alone changes the
+state. What a reading shows (``conditions_in``) is one question, what follows from it another. A rig, loops in compiled
+code, environments and the reference of the exported library judge by these functions. None has a clock: the time that a
+reading covers is an argument. The owner of the output asks for the allowed drive before every change.
 """
 
 from __future__ import annotations
@@ -84,10 +82,7 @@ CONDITION_NUMBERS = tuple(int(event) for event in CONDITION_EVENTS)
 
 @compiled_inner
 def follow(row: Row, rules: Row, signal: int, drive_voltage_v: float, event: int, missing_s: float) -> None:
-    """Change the state by a signal, as the table says, with its effect.
-
-    A signal may carry a drive voltage, the event that is its cause, and how long something has been missing.
-    """
+    """Change the state as the table says: by a signal with its drive, its cause and the time missing."""
     effect = rules["effects"][row["state"], signal]
     row["state"] = rules["following"][row["state"], signal]
     if effect == FOLLOW:
@@ -153,10 +148,7 @@ def happen(row: Row, rules: Row, event: int, seen_s: float) -> None:
 
 @compiled
 def signalled(rows: Rows, rules: Rows, lane: int, signal: int, event: int, missing_s: float) -> tuple[float, int]:
-    """Change a state by a signal other than a command; what is missing degrades by its time.
-
-    Returns the only drive voltage [V] that may be out now, and the state.
-    """
+    """Change a state by any signal but a command; return the only drive [V] allowed now, and the state."""
     if signal == MISSING:
         miss(rows[lane], rules[lane], event, missing_s)
     else:
@@ -294,10 +286,9 @@ def judged_reading(
     ordered_voltage_v: float,
     dt_s: float,
 ) -> bool:
-    """Take one reading that stands for ``dt_s`` seconds at ``drive_voltage_v``; whether it is sound.
+    """Take one reading that stands for ``dt_s``; whether nothing is missing and no condition of the table holds.
 
-    Sound is a reading of which nothing is missing and for which no condition of the table holds. The highest drive that
-    was ordered in this time, ``ordered_voltage_v``, is the one that heats.
+    ``ordered_voltage_v``, the highest drive ordered in this time, is the one that heats.
     """
     row, rule = rows[lane], rules[lane]
     if rule["output_drives"][row["state"]] == NO_DRIVE:
@@ -365,10 +356,7 @@ def judged_sample(
     ordered_voltage_v: float,
     dt_s: float,
 ) -> bool:
-    """Take a sample of ``dt_s`` seconds; whether nothing is wrong with the reading that it completes, if any.
-
-    Samples that come faster than the table's readings are averaged first; a complete reading stays in the row's block.
-    """
+    """Take a sample, of which several may make one reading; whether nothing is wrong with a completed one."""
     row, full_s = rows[lane], rules[lane]["reading_period_s"] - PERIOD_ROUNDING_S
     if row["block_s"] >= full_s:
         empty_block(row)
@@ -385,17 +373,7 @@ def judged_sample(
 
 
 class Protection:
-    """The protection of one wire: its row, and what commands and samples make of it.
-
-    Parameters
-    ----------
-    limits
-        Limits of wire and circuit, checked.
-    temperature_k
-        Temperature of the wire [K]; by default it is cold.
-    table
-        Another table than musclewire's own.
-    """
+    """The protection of one wire, by default a cold one: its row, and what commands and samples make of it."""
 
     def __init__(
         self, limits: ProtectionLimits, temperature_k: float | None = None, table: ProtectionTable | None = None
@@ -449,11 +427,7 @@ class Protection:
         dt_s: float,
         ordered_voltage_v: float | None = None,
     ) -> bool:
-        """Take a sample of ``dt_s`` seconds; whether all is well.
-
-        Those that come faster than the table's readings are averaged first. ``ordered_voltage_v`` is the highest drive
-        that was ordered in this time, by default the drive itself.
-        """
+        """Take a sample; whether all is well. The highest drive ordered in it is by default its own."""
         ordered_v = drive_voltage_v if ordered_voltage_v is None else ordered_voltage_v
         volts = float(drive_voltage_v), float(wire_voltage_v), float(shunt_voltage_v), float(ordered_v)
         return judged_sample(self.row, self.rules, 0, *volts, float(dt_s))
@@ -478,10 +452,7 @@ class Protection:
         return float(ahead["temperature_k"][0])
 
     def missing(self, event: Event, missing_s: float) -> tuple[float, int]:
-        """Take note that something has been missing for so long in total [s]: hold, then sense, then trip.
-
-        Returns the only drive voltage [V] that may be out now, and the state's number.
-        """
+        """Hold, then sense, then trip, by the total time missing; return the allowed drive [V] and the state."""
         return signalled(self.row, self.rules, 0, MISSING, int(event), float(missing_s))
 
     def trip(self, event: Event) -> None:
@@ -495,9 +466,8 @@ class Protection:
     def rest(self) -> None:
         """Begin again after a pause at the sense voltage or less, in which no reading was taken.
 
-        A drive held before the pause is not applied again after it, and the resistance of a wire that has cooled
-        meanwhile is no jump. Missing readings stay missing until one arrives; the temperature is kept, which is on the
-        safe side.
+        A drive held before the pause is not applied again, and the resistance of a wire that has cooled meanwhile is no
+        jump. Missing readings stay missing until one arrives; the temperature is kept, which is on the safe side.
         """
         signalled(self.row, self.rules, 0, REST, NO_EVENT, 0.0)
 

@@ -33,36 +33,27 @@ CONDITIONS = len(CONDITION_EVENTS)
 
 
 class ProtectionState(NamedTuple):
-    """The state of a protection as it stands: a copy of its row.
-
-    ``missing_s`` is how long a reading or command has been missing, ``often_missing_s`` how long they have been with
-    interruptions, less what sound ones have made up for; ``lasting_s`` how long each of ``CONDITION_EVENTS`` has been
-    seen; ``earlier_drive_v`` and ``recent_drive_v`` the highest drives ordered in the last stretch of the table's delay
-    and in the present one, which has lasted for ``recent_s``; ``settled_ohm`` the last resistance that was no jump, 0
-    for none; ``wire_repeats`` and ``shunt_repeats`` how often in a row a channel gave the same number,
-    ``repeats_drive_v`` the drive when that began. Samples that come faster than readings are judged are averaged first:
-    ``block_s`` is the time that the unfinished reading covers, ``block_ordered_v`` the highest drive ordered in it, the
-    other three are its means.
-    """
+    """The state of a protection as it stands: a copy of its row."""
 
     state: State
     event: Event
     drive_voltage_v: float
     temperature_k: float
-    missing_s: float = 0.0
-    often_missing_s: float = 0.0
-    lasting_s: tuple[float, ...] = CONDITIONS * (0.0,)
-    earlier_drive_v: float = 0.0
-    recent_drive_v: float = 0.0
-    recent_s: float = 0.0
-    settled_ohm: float = 0.0
+    missing_s: float = 0.0  # how long a reading or command has been missing
+    often_missing_s: float = 0.0  # the same with interruptions, less what sound readings have made up for
+    lasting_s: tuple[float, ...] = CONDITIONS * (0.0,)  # how long each of CONDITION_EVENTS has been seen
+    earlier_drive_v: float = 0.0  # highest drive ordered in the last stretch of the table's delay
+    recent_drive_v: float = 0.0  # the same in the present stretch
+    recent_s: float = 0.0  # how long the present stretch has lasted
+    settled_ohm: float = 0.0  # last resistance that was no jump, 0 for none
     wire_voltage_v: float = 0.0
     shunt_voltage_v: float = 0.0
-    wire_repeats: float = 0.0
+    wire_repeats: float = 0.0  # how often in a row the channel gave the same number
     shunt_repeats: float = 0.0
-    repeats_drive_v: float = 0.0
+    repeats_drive_v: float = 0.0  # drive when a repetition began
+    # Time that the unfinished reading covers, whose means follow: samples may come faster than readings.
     block_s: float = 0.0
-    block_ordered_v: float = 0.0
+    block_ordered_v: float = 0.0  # highest drive ordered in it
     block_drive_v: float = 0.0
     block_wire_v: float = 0.0
     block_shunt_v: float = 0.0
@@ -116,10 +107,7 @@ def rules_of(limits: ProtectionLimits, table: ProtectionTable | None = None) -> 
 
 
 def largest_power_w_per_v2(limits: ProtectionLimits) -> float:
-    """Return the largest power in a wire of these limits per square of the ordered voltage [W/V2].
-
-    A wire in series with a shunt takes most where both have the same resistance.
-    """
+    """Return a wire's largest power per squared drive [W/V2]: where wire and shunt have one resistance."""
     shunt_ohm = limits.shunt_resistance_ohm
     wire_ohm = min(max(shunt_ohm, limits.resistance_low_ohm), limits.resistance_high_ohm)
     return wire_ohm / (wire_ohm + shunt_ohm) ** 2 * limits.arriving_fraction**2
