@@ -28,7 +28,17 @@ ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smalle
 
 
 class FuzzyRatios(NamedTuple):
-    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range, 0 (minimum) to 1 (maximum)."""
+    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range.
+
+    Parameters
+    ----------
+    kp
+        Of the proportional gain, 0 (minimum) to 1 (maximum).
+    ki
+        Of the integral gain, 0 to 1.
+    kd
+        Of the derivative gain, 0 to 1.
+    """
 
     kp: float
     ki: float

@@ -73,10 +73,25 @@ class Step:
 
 @dataclass(frozen=True)
 class Staircase(HeldTargets):
-    """Levels held for the same time each; before time zero the first holds, after the end the last."""
+    """Levels held for the same time each, from time zero on.
 
-    levels: tuple[float, ...]  # strain as fractions, displacements [m] or forces [N]
-    hold_s: float  # of each
+    Before time zero the target is the first level, after the end the last.
+
+    Parameters
+    ----------
+    levels
+        Targets: strain as a fraction, displacement [m] or force [N].
+    hold_s
+        Duration of each [s].
+
+    Raises
+    ------
+    CallerError
+        For no level, a level that is not finite, or a hold time that is not above zero.
+    """
+
+    levels: tuple[float, ...]
+    hold_s: float
 
     def __post_init__(self) -> None:
         """Keep the levels as plain numbers and check them."""
@@ -107,10 +122,20 @@ class Staircase(HeldTargets):
 
 @dataclass(frozen=True, eq=False)
 class SampledReference(HeldTargets):
-    """Targets held from their times until the next (zero-order hold); before the first time the first holds."""
+    """A target given at certain times and held until the next (zero-order hold).
 
-    time_s: FloatArray  # rising, (n,)
-    target: FloatArray  # strain as a fraction, displacement [m] or force [N], (n,)
+    Before the first time the target is the first value, after the last time the last.
+
+    Parameters
+    ----------
+    time_s
+        Rising times [s], shape (n,).
+    target
+        The target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N].
+    """
+
+    time_s: FloatArray
+    target: FloatArray
 
     def __post_init__(self) -> None:
         """Keep the columns as plain numbers, too."""
