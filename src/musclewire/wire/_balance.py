@@ -19,130 +19,62 @@ SEVEN_HALVINGS = 1.0 / 128.0
 
 
 class ConnectorForce(NamedTuple):
-    """A force on the connector that adds to the load's: that of a second wire or an object, linear around a point.
-
-    Parameters
-    ----------
-    force_n
-        Force at that point [N].
-    per_contraction_n
-        Its slope over contraction [N].
-    contraction
-        The point.
-    """
+    """A force on the connector that adds to the load's: that of a second wire or an object, linear around a point."""
 
     force_n: float
-    per_contraction_n: float
-    contraction: float
+    per_contraction_n: float  # slope over contraction [N]
+    contraction: float  # the point
 
 
 class LoadPoint(NamedTuple):
-    """Force of the load at a contraction, friction included.
+    """Force of the load at a contraction, friction included."""
 
-    Parameters
-    ----------
-    force_n
-        Pretension, spring, table, push and friction [N].
-    per_contraction_n
-        Its slope over contraction [N].
-    friction_n
-        Friction alone [N], positive against contraction.
-    friction_per_contraction_n
-        Slope of the friction [N].
-    limit_n
-        Friction at which the guide slides [N], 0 or more.
-    """
-
-    force_n: float
-    per_contraction_n: float
-    friction_n: float
-    friction_per_contraction_n: float
-    limit_n: float
+    force_n: float  # pretension, spring, table, push and friction
+    per_contraction_n: float  # its slope over contraction [N]
+    friction_n: float  # friction alone, positive against contraction
+    friction_per_contraction_n: float  # slope of the friction [N]
+    limit_n: float  # friction at which the guide slides, 0 or more
 
 
 class StrainSlopes(NamedTuple):
-    """Strain of a wire at a temperature, a stress and its phases, with slopes.
-
-    Parameters
-    ----------
-    transformation, elastic, thermal
-        Its three parts; each positive for a longer wire.
-    oriented
-        Transformation strain of pure martensite at this stress.
-    oriented_per_pa
-        Its slope over stress [1/Pa].
-    """
+    """Strain of a wire at a temperature, a stress and its phases, with slopes; positive for a longer wire."""
 
     transformation: float
     elastic: float
     thermal: float
-    oriented: float
-    oriented_per_pa: float
+    oriented: float  # transformation strain of pure martensite at this stress
+    oriented_per_pa: float  # its slope over stress
 
 
 class BalancedWire(NamedTuple):
-    """A wire in both balances.
-
-    Parameters
-    ----------
-    temperature_k, stress_pa, contraction
-        Temperature [K], stress [Pa] and contraction.
-    friction_n
-        Friction of guide and load [N].
-    martensite, r_phase
-        Its volume fractions.
-    resistance_ohm
-        Its resistance [ohm].
-    rise_k, rise_pa
-        Last correction of temperature [K] and stress [Pa], for the fronts.
-    """
+    """A wire in both balances."""
 
     temperature_k: float
     stress_pa: float
     contraction: float
-    friction_n: float
-    martensite: float
-    r_phase: float
+    friction_n: float  # of guide and load
+    martensite: float  # volume fraction
+    r_phase: float  # volume fraction
     resistance_ohm: float
-    rise_k: float
-    rise_pa: float
+    rise_k: float  # last correction of temperature, for the fronts
+    rise_pa: float  # last correction of stress, for the fronts
 
 
 class BalanceResidual(NamedTuple):
-    """What is missing from both balances, and the Newton step that would meet them.
+    """What is missing from both balances, and the Newton step that would meet them."""
 
-    Parameters
-    ----------
-    heat_j
-        Enthalpy at the trial point less the enthalpy there is [J].
-    excess_pa
-        Trial stress less the stress at which the load is balanced [Pa].
-    rise_k, rise_pa
-        Newton step in temperature [K] and stress [Pa].
-    contraction
-        Contraction at the trial point.
-    contraction_per_k, contraction_per_pa
-        Its slopes.
-    heat_per_k, heat_per_pa
-        Slopes of the missing heat [J/K, J/Pa].
-    excess_per_k, excess_per_pa
-        Slopes of the excess stress [Pa/K, 1].
-    per_determinant
-        Reciprocal of the Jacobian's determinant [K/J].
-    """
-
-    heat_j: float
-    excess_pa: float
-    rise_k: float
-    rise_pa: float
-    contraction: float
+    heat_j: float  # enthalpy at the trial point less the enthalpy there is
+    excess_pa: float  # trial stress less the stress at which the load is balanced
+    rise_k: float  # Newton step in temperature
+    rise_pa: float  # Newton step in stress
+    contraction: float  # at the trial point
     contraction_per_k: float
     contraction_per_pa: float
-    heat_per_k: float
+    heat_per_k: float  # slopes of the missing heat [J/K, J/Pa]
     heat_per_pa: float
-    excess_per_k: float
+    excess_per_k: float  # slopes of the excess stress [Pa/K, 1]
     excess_per_pa: float
-    per_determinant: float
+    per_determinant: float  # reciprocal of the Jacobian's determinant [K/J]
 
 
 class TrialPoint(NamedTuple):
@@ -158,8 +90,8 @@ class TrialPoint(NamedTuple):
 def decay(exponent: float) -> float:
     """Return exp(-exponent) for exponents of 0 to 32, and that of 32 beyond; within 3e-14 of the exact value.
 
-    The library's exponential would keep a loop over wires from becoming vector instructions. Taylor's series of a
-    128th of the exponent, squared seven times.
+    The library's exponential would keep a loop over wires from becoming vector instructions. Taylor's series of a 128th
+    of the exponent, squared seven times.
     """
     limited = exponent if exponent < MAX_EXPONENT else MAX_EXPONENT
     y = -limited * SEVEN_HALVINGS
@@ -184,23 +116,6 @@ def strain_at(
     constants: StepConstants, temperature_k: float, stress_pa: float, martensite: float, r_phase: float
 ) -> StrainSlopes:
     """Return the strain of a wire relative to stress-free austenite at 20 C.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    temperature_k
-        Temperature of the wire [K].
-    stress_pa
-        Stress of a leg [Pa].
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-
-    Returns
-    -------
-    Transformation, elastic and thermal strain, with what martensite alone would have.
 
     References
     ----------
@@ -232,26 +147,8 @@ def balance_at(
 ) -> BalanceResidual:
     """Return what is missing from both balances at a trial point, and the Newton step from there.
 
-    Enthalpy: C (T - 20 C) - L (x_M + r x_R) = H. Force: sigma = load over section.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    shakedown
-        Effects of its shakedown.
-    phases
-        Its phases at the trial point.
-    strain
-        Its strain there.
-    load
-        The load at the contraction that this strain means.
-    trial
-        Temperature [K], stress [Pa], and the enthalpy to be met [J].
-
-    Returns
-    -------
-    Both residuals, the contraction and the Newton step.
+    Enthalpy: C (T - 20 C) - L (x_M + r x_R) = H. Force: sigma = load over section. ``trial``: temperature [K], stress
+    [Pa], and the enthalpy to be met [J].
 
     References
     ----------
@@ -303,26 +200,10 @@ def settled(
     step: tuple[float, float],
     trial: tuple[float, float, float],
 ) -> BalancedWire:
-    """Return the wire after the last Newton step, applied linearly.
+    """Return the wire after the last Newton step, applied linearly; a negative stress becomes 0, that of a slack wire.
 
-    Temperature follows from enthalpy and the corrected fractions, so that energy is kept to rounding.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    shakedown
-        Effects of its shakedown.
-    point
-        What was found at the trial point.
-    step
-        The last Newton step in temperature [K] and stress [Pa]: small, or 0 to take the point as it is.
-    trial
-        Temperature [K], stress [Pa] and enthalpy [J] of the trial point.
-
-    Returns
-    -------
-    The wire with its resistance. A negative stress becomes 0: a slack wire carries nothing.
+    Temperature follows from enthalpy and the corrected fractions, so that energy is kept to rounding. ``trial`` as in
+    ``balance_at``; ``step`` in temperature [K] and stress [Pa] is small, or 0 to take the point as it is.
     """
     k = constants
     _, stress_pa, enthalpy_j = trial
@@ -362,21 +243,7 @@ def settled(
 
 @compiled_inline
 def contraction_of(constants: StepConstants, shakedown: ShakedownEffects, strain: StrainSlopes) -> float:
-    """Return the contraction of a wire relative to its cold length under pretension.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    shakedown
-        Effects of its shakedown, of which it has gained strain.
-    strain
-        Its strain relative to stress-free austenite at 20 C.
-
-    Returns
-    -------
-    The contraction, positive for a shorter wire.
-    """
+    """Return the contraction of a wire relative to its cold length under pretension, positive for a shorter wire."""
     total = strain.transformation + strain.elastic + strain.thermal + shakedown.residual_strain
     return (constants.cold_strain - total) * constants.per_stretch
 
@@ -390,24 +257,7 @@ def resistance_at(
     martensite: float,
     r_phase: float,
 ) -> float:
-    """Return the resistance of a wire [ohm]: phases mixed by volume, then the change of shape.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    shakedown
-        Effects of its shakedown, which raises the resistivity of martensite.
-    strain
-        Its strain.
-    temperature_k
-        Its temperature [K].
-    martensite, r_phase
-        Its volume fractions.
-
-    Returns
-    -------
-    Resistance of the whole wire [ohm], without leads and shunt.
+    """Return the resistance of a whole wire [ohm], without leads: phases mixed by volume, then the change of shape.
 
     References
     ----------

@@ -57,28 +57,14 @@ class BatchMeans(NamedTuple):
 
 
 class BatchPart(NamedTuple):
-    """Wires of a batch that one thread runs, all in the same way.
+    """Wires of a batch that one thread runs, all in the same way."""
 
-    Parameters
-    ----------
-    places
-        Their places in the batch, (n_wires,).
-    states, derived
-        Their rows of states, which change in place, and of derived constants, (n_wires,) each.
-    tables
-        The distribution and the load that they share.
-    in_lanes
-        How many of them, the first ones, run in lanes: a multiple of ``LANES``.
-    work
-        Room for a step of lanes, (1,).
-    """
-
-    places: Places
-    states: Rows
-    derived: Rows
-    tables: tuple[Rows, Rows]
-    in_lanes: int
-    work: Rows
+    places: Places  # in the batch, (n_wires,)
+    states: Rows  # rows that change in place, (n_wires,)
+    derived: Rows  # rows of derived constants, (n_wires,)
+    tables: tuple[Rows, Rows]  # distribution and load, which they share
+    in_lanes: int  # how many of them, the first ones, run in lanes: a multiple of LANES
+    work: Rows  # room for a step of lanes, (1,)
 
 
 class WireBatch:

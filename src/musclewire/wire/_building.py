@@ -43,10 +43,7 @@ def constants_from(
 
 
 def measured_grains(alloy: Alloy) -> OffsetDistribution | None:
-    """Return the distribution through an alloy's measured quantiles; None for one described by numbers alone.
-
-    ``Alloy.values`` does not hold them: whoever goes on with plain numbers takes this along.
-    """
+    """Return the distribution through an alloy's measured quantiles, which ``Alloy.values`` lacks; None without any."""
     table = alloy.grain_quantiles
     return None if table is None else quantile_distribution(table.offset, table.fraction)
 
@@ -186,24 +183,7 @@ def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Numbe
 
 
 def with_pretension(constants: WireConstants, pretension_n: float) -> WireConstants:
-    """Return the constants at another setting of the linear stage; contraction is relative to the cold wire there.
-
-    Parameters
-    ----------
-    constants
-        Those of the wire on its load at any pretension.
-    pretension_n
-        Force of the cold wire [N], 0 or more.
-
-    Returns
-    -------
-    Constants with that pretension, and with the cold strain and the stress-free length that it implies.
-
-    Raises
-    ------
-    CallerError
-        For a pretension below 0 or not finite: a wire cannot be pushed.
-    """
+    """Return the constants at a pretension of 0 or more; contraction is relative to the cold wire there."""
     if not 0.0 <= pretension_n < math.inf:
         raise CallerError(f"pretension is {pretension_n} N: a wire cannot be pushed, give 0 or more")
     stress = pretension_n / (constants.legs * constants.area_m2)

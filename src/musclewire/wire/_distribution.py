@@ -28,41 +28,18 @@ class OffsetDistribution(NamedTuple):
     """Cumulative distribution of the grains' offsets in units of the spread: cubics on cells.
 
     Cells have one width, or two: narrow ones in a core, where a heavy-tailed distribution is steep, wide ones outside.
-
-    Parameters
-    ----------
-    start
-        Offset of the first cell's lower end.
-    step
-        Width of a cell outside the core.
-    cells
-        Coefficients of each cell's cubic over the place in the cell, 0 to 1, constant term first; (n_cells, 4).
-        Cumulative fraction 0 below the first cell, 1 above the last.
-    core_start, core_end
-        Offsets between which the core's cells lie, each an end of a cell; the same for no core.
-    core_step
-        Width of a cell in the core.
+    Cumulative is 0 below the first cell, 1 above the last.
     """
 
-    start: float
-    step: float
-    cells: FloatArray
-    core_start: float = 0.0
+    start: float  # offset of the first cell's lower end
+    step: float  # width of a cell outside the core
+    cells: FloatArray  # each cell's cubic over the place in it, 0 to 1, constant term first; (n_cells, 4)
+    core_start: float = 0.0  # an end of a cell; that of the core, too, for no core
     core_end: float = 0.0
-    core_step: float = 1.0
+    core_step: float = 1.0  # width of a cell in the core
 
     def cumulative(self, offset: FloatArray) -> FloatArray:
-        """Return the fraction of the grains below offsets.
-
-        Parameters
-        ----------
-        offset
-            Offsets in units of the spread, of any shape.
-
-        Returns
-        -------
-        The fractions, 0 to 1, of the same shape.
-        """
+        """Return the fraction of the grains below offsets of any shape."""
         offset = np.asarray(offset, dtype=np.float64)
         core = np.clip(offset, self.core_start, self.core_end)
         place = (self.core_start - self.start) / self.step + (core - self.core_start) / self.core_step
@@ -74,28 +51,17 @@ class OffsetDistribution(NamedTuple):
 
 
 class BarrierClass(NamedTuple):
-    """A class of grains with a barrier of its own: an ensemble, of which the wire is the weighted sum.
+    """A class of grains with a barrier of its own: an ensemble, of which the wire is the weighted sum."""
 
-    Parameters
-    ----------
-    weight
-        Fraction of the wire's grains, above 0; the weights of all classes add up to 1.
-    barrier_k
-        Barrier beyond the alloy's ``martensite_barrier_k`` [K], of either sign.
-    """
-
-    weight: float
-    barrier_k: float
+    weight: float  # fraction of the wire's grains, above 0; all add up to 1
+    barrier_k: float  # beyond the alloy's martensite_barrier_k, of either sign
 
 
 ONE_CLASS = (BarrierClass(1.0, 0.0),)
 
 
 def of_classes(classes: Sequence[BarrierClass]) -> tuple[FloatArray, FloatArray]:
-    """Return weights and barriers [K] of classes, each (n_classes,).
-
-    Raises CallerError without a class, for a weight that is not positive, and for weights that do not add up to 1.
-    """
+    """Return weights, positive and adding up to 1, and barriers [K] of classes, each (n_classes,)."""
     weights = np.array([item.weight for item in classes])
     if not (len(weights) and weights.min() > 0.0 and abs(weights.sum() - 1.0) < 1e-9):
         raise CallerError(f"the classes' weights {weights.tolist()} must be above 0 and add up to 1")
@@ -105,27 +71,9 @@ def of_classes(classes: Sequence[BarrierClass]) -> tuple[FloatArray, FloatArray]
 def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> FloatArray:
     """Return z (z^2 + 0.3^2)^(tail/2), stretched by 1 + skew above and 1 - skew below the middle; always increasing.
 
-    A signed power of a normal quantile with a linear core, in two pieces (Fechner's split distribution). Measured
-    Flexinol isobars have a sharp core with long tails (tail near 1), unlike a normal distribution (tail 0) or a cosine
-    law.
-
-    Parameters
-    ----------
-    normal_quantile
-        z, quantiles of the standard normal distribution, of any shape.
-    skew
-        Stretches the upper half by 1 + skew and the lower one by 1 - skew; between -1 and 1, 0 is symmetric.
-    tail
-        How heavy both tails are, 0 or more; 0 is the normal distribution.
-
-    Returns
-    -------
-    Offsets in units of the spread, in the shape of ``normal_quantile``.
-
-    Raises
-    ------
-    CallerError
-        For a tail below 0 or a skew outside -1 to 1, for which the result would not be increasing.
+    A signed power of a normal quantile z with a linear core, in two pieces (Fechner's split distribution), for a skew
+    between -1 and 1 and a tail of 0 or more. Measured Flexinol isobars have a sharp core with long tails (tail near 1),
+    unlike a normal distribution (tail 0) or a cosine law.
     """
     if not (0.0 <= tail < np.inf and -1.0 < skew < 1.0):
         raise CallerError(f"grain_tail {tail} must be 0 or more and grain_skew {skew} between -1 and 1")
@@ -135,26 +83,10 @@ def signed_power(normal_quantile: FloatArray, skew: float, tail: float) -> Float
 
 @lru_cache(maxsize=64)
 def signed_power_distribution(skew: float, tail: float) -> OffsetDistribution:
-    """Return the distribution of :func:`signed_power` over a normal quantile, tabulated.
+    """Return the distribution of :func:`signed_power` over normal quantiles of -4.5 to 4.5, tabulated.
 
     Value and density are exact at every end of a cell. The density jumps at offset 0 if there is a skew; a cell ends
     there.
-
-    Parameters
-    ----------
-    skew
-        Skew of the distribution, between -1 and 1.
-    tail
-        Tail of the distribution, 0 or more.
-
-    Returns
-    -------
-    The table. Its last cells are the quantiles of +-4.5.
-
-    Raises
-    ------
-    CallerError
-        For a skew or tail out of range.
     """
     core_end = abs(signed_power(np.array([-CORE_REACH, CORE_REACH]), skew, tail))
     core_step, below = cells_on_both_sides(core_end, CORE_CELLS)
@@ -179,25 +111,7 @@ def two_populations(
 ) -> FloatArray:
     """Return :func:`signed_power` with the lowest grains, the first to transform on heating, spread evenly below.
 
-    Parameters
-    ----------
-    normal_quantile
-        z, quantiles of the standard normal distribution, of any shape.
-    skew, tail
-        Shape of :func:`signed_power`, which the other grains keep.
-    early_fraction
-        Fraction of the grains that are early, 0 to below 1; with 0 this is :func:`signed_power`.
-    early_width
-        Width over which those are spread, in units of the spread, above 0.
-
-    Returns
-    -------
-    Offsets in units of the spread, in the shape of ``normal_quantile``.
-
-    Raises
-    ------
-    CallerError
-        For a number out of range.
+    ``early_fraction`` is 0 to below 1, ``early_width`` in units of the spread, above 0.
     """
     require_early_population(early_fraction, early_width)
     z = np.asarray(normal_quantile, dtype=np.float64)
@@ -217,32 +131,11 @@ def require_early_population(early_fraction: float, early_width: float) -> None:
 def two_population_distribution(
     skew: float, tail: float, early_fraction: float, early_width: float
 ) -> OffsetDistribution:
-    """Return the distribution of :func:`two_populations` over a normal quantile, tabulated.
+    """Return the distribution of :func:`two_populations` up to the quantile of +4.5, tabulated.
 
     Value and density are exact at every end of a cell. Cells end where the early grains begin and where they end, and
     at offset 0 if that is not within a cell of the kink: there, for an early fraction just below a half, the jump of a
-    skewed density costs up to 0.2 % of the wire.
-
-    Parameters
-    ----------
-    skew
-        Skew of the others' distribution, between -1 and 1.
-    tail
-        Tail of the others' distribution, 0 or more.
-    early_fraction
-        Fraction of the grains that are early, 0 to below 1; :func:`signed_power_distribution` if so few that a table
-        has no place for them.
-    early_width
-        Width over which those are spread, in units of the spread, above 0.
-
-    Returns
-    -------
-    The table, from the first early grain to the quantile of +4.5.
-
-    Raises
-    ------
-    CallerError
-        For a number out of range.
+    skewed density costs up to 0.2 % of the wire. An early fraction too small for a table is taken as none.
     """
     require_early_population(early_fraction, early_width)
     if early_fraction <= ndtr(-REACH):
@@ -344,23 +237,8 @@ def cubic_cells(value: FloatArray, rise_at_start: FloatArray, rise_at_end: Float
 def tabulated_distribution(offset: FloatArray, cumulative: FloatArray, *, cells: int = CELLS) -> OffsetDistribution:
     """Return a distribution through any table: monotone cubics between its points, resampled onto equal cells.
 
-    Parameters
-    ----------
-    offset
-        Offsets in units of the spread, ascending, (n_points,).
-    cumulative
-        Fraction of the grains below each, ascending from 0 to 1, (n_points,).
-    cells
-        Number of cells, 2 or more; the default resolves points a hundredth of the table's width apart.
-
-    Returns
-    -------
-    The distribution between the first offset and the last.
-
-    Raises
-    ------
-    CallerError
-        If the offsets do not ascend, or the fractions do not ascend from 0 to 1.
+    Offsets ascend, and fractions from 0 to 1. The default of cells resolves points a hundredth of the table's width
+    apart.
 
     References
     ----------

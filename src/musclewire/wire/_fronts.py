@@ -22,41 +22,18 @@ MIN_SPREAD_K = 1e-6
 
 
 class ShakedownEffects(NamedTuple):
-    """Effects of the shakedown that a wire has behind it.
+    """Effects of the shakedown that a wire has behind it."""
 
-    Parameters
-    ----------
-    barrier_factor
-        Factor on the barrier between austenite and martensite, 1 or more.
-    residual_strain
-        Strain that the wire has gained since it was new.
-    resistivity_factor
-        Factor on the resistivity of martensite.
-    """
-
-    barrier_factor: float
-    residual_strain: float
-    resistivity_factor: float
+    barrier_factor: float  # on the barrier between austenite and martensite, 1 or more
+    residual_strain: float  # gained since the wire was new
+    resistivity_factor: float  # on the resistivity of martensite
 
 
 class Thresholds(NamedTuple):
     """Offsets, in units of the spread, at which the six changes of phase are due, with slopes by stress.
 
     A threshold's slope over temperature is ``per_spread`` of its pair of phases for all changes. Cooling moves fronts
-    down to the first three, heating up to the last three.
-
-    Parameters
-    ----------
-    austenite_martensite, austenite_r_phase, r_phase_martensite
-        Thresholds of cooling.
-    martensite_austenite, r_phase_austenite, martensite_r_phase
-        Thresholds of heating.
-    austenite_martensite_per_pa, austenite_r_phase_per_pa, r_phase_martensite_per_pa, martensite_austenite_per_pa
-        Slopes over stress [1/Pa]; that of R to A equals that of A to R.
-    martensite_r_phase_per_pa
-        Slope over stress [1/Pa].
-    m_per_k, r_per_k, p_per_k
-        Slopes over temperature [1/K] of A-M, A-R and R-M.
+    down to the first three, heating up to the last three. The slope over stress of R to A equals that of A to R.
     """
 
     austenite_martensite: float
@@ -70,7 +47,7 @@ class Thresholds(NamedTuple):
     r_phase_martensite_per_pa: float
     martensite_austenite_per_pa: float
     martensite_r_phase_per_pa: float
-    m_per_k: float
+    m_per_k: float  # slopes over temperature: of A-M, A-R and R-M
     r_per_k: float
     p_per_k: float
 
@@ -87,20 +64,10 @@ class PhaseFractions(NamedTuple):
 
 
 class TransformationFronts(NamedTuple):
-    """Both fronts after a temperature and a stress, with their slopes.
+    """Both fronts after a temperature and a stress, with their slopes, which are 0 while a front stands still."""
 
-    Parameters
-    ----------
-    austenite, martensite
-        q_F and q_M, in units of the spread.
-    austenite_per_k, austenite_per_pa
-        Slopes of q_F over temperature [1/K] and stress [1/Pa]; 0 while it stands still.
-    martensite_per_k, martensite_per_pa
-        Slopes of q_M.
-    """
-
-    austenite: float
-    martensite: float
+    austenite: float  # q_F, in units of the spread
+    martensite: float  # q_M, in units of the spread
     austenite_per_k: float
     austenite_per_pa: float
     martensite_per_k: float
@@ -109,19 +76,10 @@ class TransformationFronts(NamedTuple):
 
 @compiled_inline
 def shakedown_of(constants: StepConstants, cycles: float) -> ShakedownEffects:
-    """Return the effects of a wire's shakedown after a number of cycles.
+    """Return the effects of a wire's shakedown after full transformation cycles; half a cycle counts as half.
 
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    cycles
-        Full transformation cycles since the wire was new, 0 or more; half a cycle counts as half.
-
-    Returns
-    -------
-    Its effects. The part exp(-cycles / shakedown_cycles) of the shakedown remains; none of a wire whose shakedown
-    was over at the start.
+    The part exp(-cycles / shakedown_cycles) of the shakedown remains; none of a wire whose shakedown was over at the
+    start.
 
     References
     ----------
@@ -145,27 +103,9 @@ def thresholds_at(
 ) -> Thresholds:
     """Return where in the distribution the six changes of phase are due at a temperature and a stress.
 
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    temperature_k
-        Temperature of the wire [K].
-    stress_pa
-        Stress of a leg [Pa].
-    barrier_factor
-        Factor on the barrier between austenite and martensite: above 1 in a new wire, 1 after shakedown.
-    barrier_k
-        Barrier of this class of grains beyond that of the alloy [K].
-
-    Returns
-    -------
-    The thresholds with their slopes.
-
-    Notes
-    -----
-    Stress may close the hysteresis but not invert it, and the detour via austenite must not be easier than the direct
-    change between R-phase and martensite: otherwise return-point memory is lost.
+    ``barrier_k`` is that of this class of grains beyond the alloy's. Stress may close the hysteresis but not invert it,
+    and the detour via austenite must not be easier than the direct change between R-phase and martensite: otherwise
+    return-point memory is lost.
 
     References
     ----------
@@ -219,21 +159,8 @@ def thresholds_at(
 
 @compiled_inline
 def moved_fronts(at: Thresholds, front_austenite: float, front_martensite: float) -> TransformationFronts:
-    """Return the fronts that thresholds leave behind: cooling moves them down, heating up.
+    """Return the fronts that thresholds leave behind, those that none has reached with slopes of 0.
 
-    Parameters
-    ----------
-    at
-        Thresholds of the new temperature and stress.
-    front_austenite, front_martensite
-        q_F and q_M before.
-
-    Returns
-    -------
-    Both fronts with their slopes; a front that no threshold has reached keeps its place, with slopes of 0.
-
-    Notes
-    -----
     Cooling: q_F = min(q_F, z_AM, z_AR), then q_M = min(q_M, max(q_F, z_RM)). Heating: q_M = max(q_M, z_MA, z_MR), then
     q_F = max(q_F, min(q_M, z_RA)).
     """
@@ -285,21 +212,7 @@ def fronts_after(
 def phases_of_class(
     weight: float, fronts: TransformationFronts, martensite: tuple[float, float], austenite: tuple[float, float]
 ) -> PhaseFractions:
-    """Return what a class of grains adds to the volume fractions of the wire.
-
-    Parameters
-    ----------
-    weight
-        Fraction of the wire's grains in this class.
-    fronts
-        Its fronts with their slopes.
-    martensite, austenite
-        Cumulative fraction and density of the distribution at q_M and at q_F.
-
-    Returns
-    -------
-    The class's part of the fractions and of their slopes.
-    """
+    """Return a class's part of the wire's volume fractions, from cumulative fraction and density at its fronts."""
     loss_per_k = weight * martensite[1] * fronts.martensite_per_k
     loss_per_pa = weight * martensite[1] * fronts.martensite_per_pa
     return PhaseFractions(
@@ -314,24 +227,7 @@ def phases_of_class(
 
 @compiled_inline
 def cumulative_at(constants: StepConstants, cells: Rows, row: int, offset: float) -> tuple[float, float]:
-    """Return the fraction of the grains below an offset, and its slope over the offset.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants, for the places of the cells: narrow ones in the core of the
-        distribution, wide ones outside.
-    cells
-        Record of the cubic coefficients, ``table`` (classes, n_cells, 4) or (1, n_cells, 4) for all classes.
-    row
-        The class.
-    offset
-        Offset in units of the spread.
-
-    Returns
-    -------
-    The cumulative fraction, 0 to 1, and the density; the density is 0 outside the table.
-    """
+    """Return the fraction of a class's grains below an offset, and the density there, 0 outside the table."""
     count = cells.table.shape[1]
     row = row if cells.table.shape[0] > 1 else 0  # all classes may share one distribution
     k = constants

@@ -28,24 +28,13 @@ Quantity = TypeVar("Quantity", float, FloatArray)
 
 
 class HeatBalance(NamedTuple):
-    """Heat capacity, loss and air of a wire, of all equal wires on a drive together.
+    """Heat capacity, loss and air of a wire, of all equal wires on a drive together."""
 
-    Parameters
-    ----------
-    capacity_j_per_k
-        C, heat capacity [J/K].
-    loss_w_per_k
-        G, loss to the air [W/K].
-    air_k
-        Temperature of the air [K].
-    diameter_m
-        Diameter [m] of a wire whose loss is that of a hot one and grows with temperature as that to still air does;
-        None for a constant loss, which is the protection's.
-    """
-
-    capacity_j_per_k: float
-    loss_w_per_k: float
+    capacity_j_per_k: float  # C
+    loss_w_per_k: float  # G
     air_k: float
+    # Of a wire whose loss is that of a hot one and grows with temperature as that to still air does; None for a
+    # constant loss, which is the protection's.
     diameter_m: float | None = None
 
     @classmethod
@@ -98,10 +87,7 @@ class HeatBalance(NamedTuple):
     def along_k(
         self, time_s: FloatArray, power_w: FloatArray, place: FloatArray, heat_j: float, begins_k: float
     ) -> FloatArray:
-        """Return the temperature [K] at some times, (n_times,), with the mean power between each two.
-
-        From ``place`` 0 to 1 the wire's transformation takes ``heat_j``.
-        """
+        """Return temperatures at times for mean powers between; from ``place`` 0 to 1 the wire takes ``heat_j``."""
         table = np.ones(CONVECTION_POINTS) if self.diameter_m is None else convection_table(self.diameter_m, self.air_k)
         losses_w_per_k = self.with_loss_at(TABLE_START_K).loss_w_per_k * (table / table[0])
         along_k = np.full(time_s.size, begins_k)
@@ -144,10 +130,7 @@ def follow(
     losses_w_per_k: FloatArray,
     temperature_k: FloatArray,
 ) -> None:
-    """Write the temperature at each time of a course [K], (n_times,), from the first on, which is given.
-
-    Of a loss that grows that at the beginning of each step counts.
-    """
+    """Write the temperatures [K] after the given first one; a loss that grows is that of a step's beginning."""
     (time_s, power_w, place), (heat_j, capacity, air_k) = columns, numbers
     for row in range(1, time_s.size):
         spot = min(max((temperature_k[row - 1] - TABLE_START_K) / TABLE_STEP_K, 0.0), CONVECTION_POINTS - 2.0)

@@ -362,11 +362,10 @@ def finish(work: Workspace, step_s: float) -> None:
 
 @compiled_inner
 def advance_lanes(wires: Rows, constants: Rows, cells: Rows, load: Rows, work: Workspace, plan: FloatArray) -> None:
-    """Advance wires in place by a sample of fixed steps, leaving its sums in the workspace.
+    """Advance the block of wires in the workspace (:func:`take_block`) by a sample, leaving its sums there.
 
-    They and their drives are in the workspace (:func:`take_block`). ``wires`` and ``constants`` are their rows of
-    states and of derived constants, (LANES,) each; ``cells`` and ``load`` the records of the distribution and the load
-    that they share.
+    ``wires`` and ``constants`` are their rows of states and of derived constants, (LANES,) each; ``cells`` and ``load``
+    the records of the distribution and the load that they share.
     """
     step_s = plan[DURATION] / plan[STEPS]
     begin(constants, work)

@@ -34,24 +34,12 @@ class ElasticObject(NamedTuple):
 
 
 class ConnectorLoad(NamedTuple):
-    """A load over the connector's displacement, beyond the pretension: a spring, and a table of what adds to it.
-
-    Parameters
-    ----------
-    stiffness_n_per_m
-        Stiffness of the spring [N/m].
-    step_m
-        Displacement from point to point of both tables [m]; the first point is at 0.
-    force_n
-        Force that adds to the spring's [N], (n_points,); beyond the last point it continues with the last slope.
-    friction_n
-        Friction that adds to the guide's [N], (n_points,); beyond the last point it stays.
-    """
+    """A load over the connector's displacement, beyond the pretension: a spring, and a table of what adds to it."""
 
     stiffness_n_per_m: float
-    step_m: float
-    force_n: FloatArray
-    friction_n: FloatArray
+    step_m: float  # from point to point of both tables, whose first is at 0
+    force_n: FloatArray  # adds to the spring's, (n_points,); beyond the last point it continues with the last slope
+    friction_n: FloatArray  # adds to the guide's, (n_points,); beyond the last point it stays
 
     def table_n(self) -> FloatArray:
         """Return force and friction as compiled code takes them [N], (2, n_points)."""
@@ -73,8 +61,8 @@ def with_table(
 ) -> ConnectorLoad:
     """Return a spring with two functions of displacement [m] in addition, tabulated from 0 to ``reach_m``.
 
-    The table is interpolated linearly, so that a kink is at most ``reach_m / (points - 1)`` from its place.
-    Raises CallerError if a function does not stay finite, or the reach is not positive.
+    The table is interpolated linearly, so that a kink is at most ``reach_m / (points - 1)`` from its place. Raises
+    CallerError if a function does not stay finite, or the reach is not positive.
     """
     if not reach_m > 0.0:
         raise CallerError(f"a load's table reaches {reach_m} m: it must reach further than 0")

@@ -58,12 +58,9 @@ class DrivenPath(NamedTuple):
 
 
 class IsobaricPath(NamedTuple):
-    """Response of a wire at constant stress to prescribed temperatures, each (n_points,).
+    """Response of a wire at constant stress to prescribed temperatures, each (n_points,)."""
 
-    ``strain`` is relative to stress-free austenite at 20 C.
-    """
-
-    strain: FloatArray
+    strain: FloatArray  # relative to stress-free austenite at 20 C
     resistance_ohm: FloatArray
     martensite_fraction: FloatArray
     r_phase_fraction: FloatArray
@@ -106,35 +103,10 @@ def drive_path(
     state: WireState | None = None,
     regulated_current: bool = False,
 ) -> tuple[DrivenPath, WireState]:
-    """Return the response of a wire to a drive, and the state at the end.
+    """Return means and states of a wire for each sample of a drive, those of ``wire.advance`` to the bit, and its end.
 
-    The numbers equal those of ``wire.advance`` sample by sample to the bit.
-
-    Parameters
-    ----------
-    constants
-        The wire on its load.
-    drive
-        Drive of each sample, (n_samples,): a voltage [V], or a current [A] with ``regulated_current``.
-    sample_s
-        Length of a sample [s], during which its drive is held.
-    stepping
-        How a sample is divided into steps; by default as the tolerances ask.
-    state
-        Where the wire begins, which is not changed; None for a wire at rest, cold.
-    regulated_current
-        Whether a source regulates the current.
-
-    Returns
-    -------
-    Means and states of all samples, and the state at the end.
-
-    Raises
-    ------
-    CallerError
-        For a sample that is not positive, or steps that do not divide it.
-    NumericsError
-        If a step was not solved, or too long for what the wire did in it.
+    The drive, (n_samples,), is a voltage [V], or a current [A] that a source regulates. Without a state the wire begins
+    cold and at rest. Raises NumericsError if a step was not solved, or too long for what the wire did in it.
     """
     plan = plan_of(stepping, sample_s)
     before = resting_state(constants) if state is None else state
@@ -171,10 +143,10 @@ def isobaric_rows(
 
 
 def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: FloatArray) -> IsobaricPath:
-    """Return strain and resistance of a wire under ``stress_pa`` along ``temperature_k``, (n_points,).
+    """Return strain and resistance of a wire under a stress of 0 or more along temperatures, (n_points,).
 
     Beforehand the wire is cooled from hot to the first temperature at that stress. There is no spring and no heat
-    balance: the temperatures are prescribed. Raises CallerError for a negative stress.
+    balance: the temperatures are prescribed.
     """
     if not stress_pa >= 0.0:
         raise CallerError(f"stress is {stress_pa} Pa: a wire cannot be pushed, give 0 or more")
@@ -184,25 +156,9 @@ def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: Flo
 
 
 def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
-    """Return a wire on its load, heated from cold to a temperature so slowly that it is in equilibrium throughout.
+    """Return a wire on its load, heated from cold, to above the air, so slowly that it is in equilibrium throughout.
 
     It is on the heating branch of its loop: austenite above the end of the transformation, partly martensite below.
-
-    Parameters
-    ----------
-    constants
-        The wire on its load.
-    temperature_k
-        Temperature to which it was heated [K], above that of the air.
-
-    Returns
-    -------
-    The state at that temperature, at rest.
-
-    Raises
-    ------
-    CallerError
-        If the temperature is not above that of the air.
     """
     ambient = constants.ambient_temperature_k
     if not temperature_k > ambient:

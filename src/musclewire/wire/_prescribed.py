@@ -13,18 +13,7 @@ from musclewire.wire._step import RunningWire, phases_at
 
 @compiled_inner
 def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
-    """Apply a temperature and a stress to the phases of a wire, in place.
-
-    Parameters
-    ----------
-    wire
-        The wire; its fronts and its fractions change.
-    shakedown
-        Effects of its shakedown.
-    temperature_k
-        New temperature of the wire [K].
-    stress_pa
-        New stress of a leg [Pa].
+    """Apply a temperature and a stress to the phases of a wire, in place: its fronts and fractions change.
 
     References
     ----------
@@ -44,10 +33,10 @@ def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float,
 def cool_from_hot(
     states: Rows, constants: Rows, cells: Rows, load: Rows, temperature_k: float, stress_pa: float
 ) -> tuple[float, float]:
-    """Set the phases of a wire, (1,), to those after cooling from full austenite at a stress; all else stays.
+    """Set the phases of a wire, (1,), to those cooled from hot; return its strain and a new wire's resistance [ohm].
 
-    On cooling fronts only move down to thresholds that fall: the result does not depend on the path, so that
-    evaluating its end is enough. Returned are the total strain there and the resistance [ohm] of a new wire.
+    On cooling fronts only move down to thresholds that fall: the result does not depend on the path, so that evaluating
+    its end is enough.
     """
     wire = RunningWire(states[0], constants[0], cells[0], load[0])
     state, k = wire.state, wire.constants
@@ -65,25 +54,7 @@ def cool_from_hot(
 def total_strain(
     constants: StepConstants, stress_pa: float, martensite: float, r_phase: float, temperature_k: float
 ) -> float:
-    """Return the total strain of the wire relative to stress-free austenite at 20 C.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    stress_pa
-        Stress of a leg [Pa].
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-    temperature_k
-        Temperature of the wire [K].
-
-    Returns
-    -------
-    The sum of transformation, elastic and thermal strain, without the residual strain of shakedown.
-    """
+    """Return the strain relative to stress-free austenite at 20 C, without the residual strain of shakedown."""
     strain = strain_at(constants, temperature_k, stress_pa, martensite, r_phase)
     return strain.transformation + strain.elastic + strain.thermal
 
@@ -97,26 +68,6 @@ def resistance_of(
     temperature_k: float,
     cycles: float,
 ) -> float:
-    """Return the wire's resistance [ohm] at a state and an age.
-
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    stress_pa
-        Stress of a leg [Pa].
-    martensite
-        Volume fraction of martensite, 0 to 1.
-    r_phase
-        Volume fraction of R-phase, 0 to 1 - ``martensite``.
-    temperature_k
-        Temperature of the wire [K].
-    cycles
-        Cycles since the wire was new, for its shakedown.
-
-    Returns
-    -------
-    Resistance of the whole wire [ohm], without leads and shunt.
-    """
+    """Return the resistance of the whole wire [ohm] at a state and an age, without leads and shunt."""
     strain = strain_at(constants, temperature_k, stress_pa, martensite, r_phase)
     return resistance_at(constants, shakedown_of(constants, cycles), strain, temperature_k, martensite, r_phase)

@@ -71,14 +71,7 @@ class Row:
     """A row of named numbers. A subclass lists its fields, ``name: float = field(unit, meaning)``, and nothing else.
 
     ``row`` is an array of one record, (1,), which is what compiled code takes; a batch is a longer one. Make a row by
-    ``from_values``, ``zeros`` or ``replace``.
-
-    Parameters
-    ----------
-    numbers
-        The plain numbers of the row in the order of its fields, one-dimensional; the row owns them from now on.
-    layout
-        Their layout in memory: ``layout(classes)``.
+    ``from_values``, ``zeros`` or ``replace``; it owns its numbers, plain ones in the order of its fields.
     """
 
     fields: ClassVar[tuple[Field, ...]] = ()
@@ -155,15 +148,7 @@ class Row:
 
 
 class WireState(Row):
-    """All that a wire remembers from one step to the next.
-
-    Parameters
-    ----------
-    numbers
-        The plain numbers of the row in the order of its fields, one-dimensional.
-    layout
-        Their layout in memory: ``WireState.layout(classes)``.
-    """
+    """All that a wire remembers from one step to the next."""
 
     time_s: float = field("s", "time since the wire was first at rest")
     temperature_k: float = field("K", "temperature")
@@ -326,23 +311,12 @@ class WireConstants(Row):
         return self._derived
 
     def step_arrays(self) -> tuple[Rows, Rows, Rows]:
-        """Return what compiled code takes, arrays of one record: derived row, distribution and load.
-
-        Tables as records cost no reference counting, which would take as long as the physics.
-        """
+        """Return row, distribution and load as arrays of one record: tables as records cost no reference counting."""
         return self.derived.row, as_record(self.distribution_cells), as_record(self.load_table_n)
 
 
 class StepConstants(Row):
-    """Numbers that a step reads, derived from :class:`WireConstants`: products and reciprocals made once.
-
-    Parameters
-    ----------
-    numbers
-        The plain numbers of the row in the order of its fields, one-dimensional.
-    layout
-        Their layout in memory: ``StepConstants.layout(classes)``.
-    """
+    """Numbers that a step reads, derived from :class:`WireConstants`: products and reciprocals made once."""
 
     leg_length_m: float = field("m", "length of one leg")
     section_m2: float = field("m2", "cross section of all legs")

@@ -49,33 +49,14 @@ class RunningWire(NamedTuple):
 
 
 class Equilibrium(NamedTuple):
-    """A solution of both balances with the slopes that the next guess needs.
-
-    Parameters
-    ----------
-    wire
-        The wire there.
-    temperature_slope_k_per_j
-        Slope of temperature over heat [K/J], the load in balance.
-    stress_slope_pa_per_j
-        Slope of stress over heat [Pa/J].
-    contraction_slope_per_j
-        Slope of contraction over heat [1/J].
-    stress_per_contraction_pa
-        Slope of the wire's stress over contraction at constant enthalpy [Pa], negative: what a second wire on the same
-        connector feels.
-    evaluations
-        How often the balances were evaluated.
-    solved
-        Whether they are met.
-    """
+    """A solution of both balances with the slopes that the next guess needs, the load in balance."""
 
     wire: BalancedWire
     temperature_slope_k_per_j: float
     stress_slope_pa_per_j: float
     contraction_slope_per_j: float
-    stress_per_contraction_pa: float
-    evaluations: int
+    stress_per_contraction_pa: float  # at constant enthalpy, negative: what a second wire on the same connector feels
+    evaluations: int  # of the balances
     solved: bool
 
 
@@ -85,22 +66,8 @@ def friction_at(
 ) -> tuple[float, float]:
     """Return friction [N] after a motion, with its slope over contraction [N]: elastic first, then Coulomb.
 
-    Parameters
-    ----------
-    limit_n
-        Friction at which the guide slides [N], 0 or more.
-    limit_per_contraction_n
-        Its slope over contraction [N].
-    per_presliding
-        Contraction per motion over which friction rises from 0 to its limit.
-    before_n
-        Friction before the motion [N].
-    moved
-        The motion, as a contraction.
-
-    Returns
-    -------
-    Friction of the sign of the motion once it slides, and its slope.
+    ``per_presliding`` is the contraction per motion over which friction rises from 0 to its limit, ``moved`` a
+    contraction.
 
     References
     ----------
@@ -120,23 +87,9 @@ def load_at(
 ) -> LoadPoint:
     """Return the load's force at a contraction: pretension, spring, table, push, and friction after the motion there.
 
-    Parameters
-    ----------
-    constants
-        One record of the wire's derived constants.
-    load
-        Record of force and friction beyond spring and guide [N], ``table`` (2, n_points). Below 0 the force is that of
-        the first point; beyond the last point it keeps its slope, and friction its value.
-    contraction
-        Where the connector is, over the leg's length.
-    before
-        The connector's contraction and the friction [N] before the motion.
-    push
-        Another force on the connector.
-
-    Returns
-    -------
-    Force and slope.
+    ``load`` has force and friction beyond spring and guide [N], (2, n_points). Below 0 the force is that of the first
+    point; beyond the last point it keeps its slope, and friction its value. ``before`` is the connector's contraction
+    and the friction [N] before the motion.
     """
     k = constants
     force_n = k.pretension_n + k.spring_n * contraction
@@ -226,28 +179,11 @@ def bend_n(wire: RunningWire, point: TrialPoint, push: ConnectorForce, moved: fl
 def solve(
     wire: RunningWire, shakedown: ShakedownEffects, enthalpy_j: float, guess: tuple[float, float], push: ConnectorForce
 ) -> Equilibrium:
-    """Return temperature and stress of a wire at an enthalpy, in balance with its load.
+    """Return temperature and stress of a wire at an enthalpy, in balance with its load, or the last trial, not solved.
 
-    Newton's method in both unknowns, with one evaluation a step as a rule. If four steps do not suffice (a wall, a
-    jump of the drive), stress is balanced at constant temperature in a bracket, and temperature by the reduced
-    equation in another.
-
-    Parameters
-    ----------
-    wire
-        The wire before the step. Only its ``front_trial`` changes.
-    shakedown
-        Effects of its shakedown.
-    enthalpy_j
-        Enthalpy after the step [J].
-    guess
-        Temperature [K] and stress [Pa] to begin with.
-    push
-        Another force on the connector.
-
-    Returns
-    -------
-    The solution, or the last trial if there is none: ``solved`` says which.
+    Newton's method in both unknowns, with one evaluation a step as a rule. If four steps do not suffice (a wall, a jump
+    of the drive), stress is balanced at constant temperature in a bracket, and temperature by the reduced equation in
+    another. Of the wire only ``front_trial`` changes.
     """
     temperature_k, stress_pa = guess
     k = wire.constants
@@ -351,15 +287,7 @@ def equilibrium_of(point: TrialPoint, after: BalancedWire, evaluations: int, sol
 
 
 class HalfStepWire(NamedTuple):
-    """Wire half a step ahead, by the slopes over heat of the last step.
-
-    Parameters
-    ----------
-    temperature_k, resistance_ohm
-        Predicted temperature [K] and resistance [ohm].
-    temperature_slope_k_per_j, stress_slope_pa_per_j
-        Slopes over heat to start the solution with.
-    """
+    """Wire half a step ahead, by the slopes over heat of the last step."""
 
     temperature_k: float
     resistance_ohm: float
@@ -437,10 +365,7 @@ def connector_after(wire: RunningWire, found: Equilibrium, push: ConnectorForce)
 
 @compiled_inner
 def slid_connector(wire: RunningWire, contraction: float, push: ConnectorForce) -> tuple[float, float]:
-    """Return how far the connector of a slack wire follows it, as far as the load overcomes the friction, and that [N].
-
-    Without friction nothing holds the connector, and it follows the wire.
-    """
+    """Return how far a slack wire's connector follows it against the friction (without any: all), and that [N]."""
     state, k = wire.state, wire.constants
     before = (state.connector_contraction, state.friction_n)
     low, high = contraction, state.connector_contraction

@@ -90,24 +90,7 @@ def fixed_steps(step_s: float) -> StepControl:
 
 
 def steps_within(stepping: StepControl, duration_s: float) -> int:
-    """Return how many fixed steps a duration has, 0 for chosen ones.
-
-    Parameters
-    ----------
-    stepping
-        How the duration is divided.
-    duration_s
-        Length of a sample [s].
-
-    Returns
-    -------
-    The number of fixed steps, or 0.
-
-    Raises
-    ------
-    CallerError
-        If the duration or a tolerance is not positive, or a fixed step does not divide the duration.
-    """
+    """Return how many fixed steps a duration has, 0 for chosen ones; CallerError if they do not divide it."""
     if not 0.0 < duration_s < math.inf:
         raise CallerError(f"a sample of {duration_s} s cannot be: give a positive number of seconds")
     if not min(stepping.temperature_k, stepping.resistance, stepping.strain) > 0.0:
@@ -132,17 +115,10 @@ class SourceOutput(NamedTuple):
 
     Of a power that was measured the circuit does not matter: the wire's voltage is then shown for 1 A, and so its
     resistance.
-
-    Parameters
-    ----------
-    value
-        The voltage, current or power.
-    kind
-        ``VOLTAGE``, ``CURRENT`` or ``POWER``.
     """
 
     value: float
-    kind: int
+    kind: int  # VOLTAGE, CURRENT or POWER
 
 
 class WireInstant(NamedTuple):
@@ -163,28 +139,14 @@ class HeatSlopes(NamedTuple):
 
 
 class StepAttempt(NamedTuple):
-    """A step that was tried.
+    """A step that was tried."""
 
-    Parameters
-    ----------
-    found
-        The wire at its end.
-    within, ended
-        Circuit and air in its middle and at its end.
-    heat_j
-        Heat of the step [J], with what the step before owed.
-    owed_j
-        Heat by the trapezoidal rule less that by the middle [J]: what this step owes the next.
-    error_k
-        What that means in temperature [K]: the estimated error of the step.
-    """
-
-    found: Equilibrium
-    within: WireInstant
-    ended: WireInstant
-    heat_j: float
-    owed_j: float
-    error_k: float
+    found: Equilibrium  # the wire at the end
+    within: WireInstant  # circuit and air in the middle
+    ended: WireInstant  # circuit and air at the end
+    heat_j: float  # with what the step before owed
+    owed_j: float  # heat by the trapezoidal rule less that by the middle: what this step owes the next
+    error_k: float  # what that means in temperature: the estimated error of the step
 
 
 @compiled_inline
@@ -222,10 +184,7 @@ def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s
 
 @compiled_inline
 def limited(rise: float, heat_j: float, low: float, high: float) -> float:
-    """Return a rise over a heat, within limits: the next middle is predicted by it.
-
-    A load that jumps, or other wires, change a wire that takes hardly any heat: such a ratio means nothing.
-    """
+    """Return a rise over a heat, within limits: a load that jumps at hardly any heat makes it meaningless."""
     slope = rise / heat_j if abs(heat_j) > NO_HEAT_J else 0.0
     return min(max(slope, low), high)
 
@@ -259,8 +218,8 @@ def error_ratio(
 ) -> float:
     """Return the largest error of a step over its tolerance: of temperature, resistance and strain.
 
-    Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the
-    mean in between follows from the rates at both ends.
+    Resistance and contraction are also shown as means over a sample: how far the mean of both ends may be from the mean
+    in between follows from the rates at both ends.
     """
     found, after = tried.found, tried.found.wire
     at_start_w = started.power_w - started.loss_w
@@ -300,10 +259,7 @@ def next_step_s(step_s: float, ratio: float) -> float:
 
 @lru_cache(maxsize=64)
 def plan_of(stepping: StepControl, duration_s: float) -> FloatArray:
-    """Return a stepping over a duration as compiled code takes it, (5,): duration [s], fixed steps, tolerances.
-
-    Raises CallerError for a duration that is not positive or that fixed steps do not divide.
-    """
+    """Return a stepping over a positive duration for compiled code, (5,): duration [s], fixed steps, tolerances."""
     steps = steps_within(stepping, duration_s)
     return np.array([duration_s, steps, stepping.temperature_k, stepping.resistance, stepping.strain])
 
@@ -326,24 +282,7 @@ def are_resolved(states: Rows) -> bool:
 
 
 def require_resolved(after: WireState, stepping: StepControl, sample_s: float, before: WireState | None = None) -> None:
-    """Raise NumericsError if steps up to a state were not solved, or too long for what happened in them.
-
-    Parameters
-    ----------
-    after
-        The wire after these steps.
-    stepping
-        How they were chosen, for the message.
-    sample_s
-        Length of a sample [s], the longest step.
-    before
-        The wire before them; None to judge all steps since the wire was first at rest.
-
-    Raises
-    ------
-    NumericsError
-        If steps were not solved, or too long.
-    """
+    """Raise NumericsError if steps since ``before`` (by default all) were not solved, or too long for what happened."""
     numbers = after.record
     missed = numbers.unsolved_steps - (before.unsolved_steps if before is not None else 0.0)
     if missed == 0.0 and numbers.step_error_k <= MAX_STEP_ERROR_K and abs(numbers.temperature_k) < math.inf:
@@ -442,20 +381,9 @@ def advance_wire(
 
 @compiled
 def advance_heated(wire: RunningWire, power_w: float, duration_s: float) -> tuple[float, float, float]:
-    """Advance a wire in place by a duration at a mean electrical power; return means of what would be measured.
+    """Advance a wire in place at a mean electrical power, in one step up to 50 ms; return means of what is measured.
 
-    Parameters
-    ----------
-    wire
-        The wire; its state changes.
-    power_w
-        Electrical power in the wire [W].
-    duration_s
-        The duration [s], in one step up to 50 ms.
-
-    Returns
-    -------
-    Means of resistance [ohm], of the connector's contraction over the leg's length, and of the force of all legs [N].
+    Resistance [ohm], contraction of the connector over the leg's length, force of all legs [N].
     """
     steps = float(math.ceil(duration_s / MAX_HEATED_S - 1e-6))
     plan = (duration_s, steps, 0.0, 0.0, 0.0)

@@ -28,27 +28,13 @@ from musclewire.wire._stepping import (
 
 
 class WireMeans(NamedTuple):
-    """Means over a sample: what an averaging acquisition card measures.
-
-    Parameters
-    ----------
-    wire_voltage_v
-        Voltage of the wire [V].
-    shunt_voltage_v
-        Voltage of the shunt [V].
-    displacement_m
-        Displacement of the connector [m], positive for a shorter wire.
-    force_n
-        Force of all legs together [N]: of both wires if they pull together, otherwise of the first one.
-    grip_n
-        Force between each endpoint and the object [N]; None with one wire.
-    """
+    """Means over a sample: what an averaging acquisition card measures."""
 
     wire_voltage_v: float
     shunt_voltage_v: float
-    displacement_m: float
-    force_n: float
-    grip_n: float | None = None
+    displacement_m: float  # of the connector, positive for a shorter wire
+    force_n: float  # of all legs: of both wires if they pull together, otherwise of the first one
+    grip_n: float | None = None  # between each endpoint and the object; None with one wire
 
 
 def advance(
@@ -58,32 +44,10 @@ def advance(
     duration_s: float,
     stepping: StepControl = CHOSEN,
 ) -> tuple[WireState, WireMeans]:
-    """Return the state after a time at one drive voltage, and the means over that time.
+    """Return the state after a time at one drive voltage, and the means over that time; the one passed in stays.
 
-    The state passed in is not changed. Energy is conserved to rounding: enthalpy changes by heat in minus heat
-    out, and temperature follows from enthalpy and phase fractions.
-
-    Parameters
-    ----------
-    state
-        The wire before the first step.
-    constants
-        Its constants, with the load's table.
-    drive_voltage_v
-        Drive voltage of the buffer amplifier [V], the same all the time.
-    duration_s
-        The time [s].
-    stepping
-        How it is divided into steps; by default as the tolerances ask, the whole time in one step at most.
-
-    Returns
-    -------
-    The state at the end, and the means.
-
-    Raises
-    ------
-    CallerError
-        For a duration that is not positive or that fixed steps do not divide.
+    Energy is conserved to rounding: enthalpy changes by heat in minus heat out, and temperature follows from enthalpy
+    and phase fractions.
 
     References
     ----------
