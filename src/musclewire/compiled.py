@@ -40,10 +40,7 @@ FILES_WITH_KERNELS = ("rigs/_simulated.py", "random_numbers.py", "signals/_plain
 
 
 class Compilation(event.Listener):
-    """How long this process has compiled; the first time it says so, to the logger ``musclewire.compiled``.
-
-    What the cache holds is loaded and is no compilation.
-    """
+    """How long this process has compiled; the first time it says so, to the logger ``musclewire.compiled``."""
 
     def __init__(self) -> None:
         """Nothing has been compiled yet."""
@@ -202,16 +199,9 @@ def compiled(function: Function) -> Function:
 
 
 def compiled_inner(function: Function) -> Function:
-    """Compile as :func:`compiled` does, for compiled callers only: it takes two thirds of the time.
+    """Compile as :func:`compiled` does, in two thirds of the time, for compiled callers only.
 
-    Parameters
-    ----------
-    function
-        A function of numbers, arrays and tuples, as Numba's nopython mode takes.
-
-    Returns
-    -------
-    The function, compiled. Python can call it, too, but each type of arguments is then compiled once more.
+    Python can call it, too, but each type of arguments is then compiled once more.
     """
     return _compile(function, inner=True)
 
@@ -220,15 +210,6 @@ def compiled_inline(function: Function) -> Function:
     """Compile as :func:`compiled_inner` does, and copy the function's machine code into each compiled caller.
 
     Worth it in an inner loop: only so can a loop over many wires become vector instructions.
-
-    Parameters
-    ----------
-    function
-        A function of numbers, arrays and tuples, as Numba's nopython mode takes.
-
-    Returns
-    -------
-    The function, compiled; ``.py_func`` is the plain one.
     """
     return _compile(function, inner=True, forceinline=True)
 
@@ -237,13 +218,6 @@ class CompiledCallback(numba.types.WrapperAddressProtocol):
     """A compiled function as a value that compiled code takes and calls, whichever function of its signature it is.
 
     A function that takes a callback is compiled once for a signature and not once for each function that it is given.
-
-    Parameters
-    ----------
-    address
-        Address of the machine code.
-    signature
-        Its Numba signature.
     """
 
     def __init__(self, address: int, signature: Any) -> None:
@@ -260,21 +234,10 @@ class CompiledCallback(numba.types.WrapperAddressProtocol):
 
 
 def row_in(numbers: Any, layout: Any) -> Any:
-    """Return the row of named numbers with which an array of floats begins; a change of one is a change of the other.
+    """Return the row, a view, with which an array of floats begins, which must be long enough and contiguous.
 
     For ticks, whose arrays are plain: in compiled code it costs nothing, where a view of NumPy takes as long to compile
-    as the tick. The array must be long enough and contiguous.
-
-    Parameters
-    ----------
-    numbers
-        The array, of floats, (n,).
-    layout
-        The type of the row, all of floats.
-
-    Returns
-    -------
-    The row.
+    as the tick.
     """
     return np.ndarray(1, layout, numbers)[0]
 
@@ -294,25 +257,10 @@ def lowered_row_in(context: Any, builder: Any, signature: Any, arguments: Any) -
 
 @cache
 def callback(function: Any, n_arrays: int) -> Any:
-    """Return a compiled function of some arrays of floats, which returns nothing, as a :class:`CompiledCallback`.
+    """Return a compiled function of one-dimensional contiguous arrays of floats, which returns nothing, as a callback.
 
-    Parameters
-    ----------
-    function
-        A function that :func:`compiled` returned. It is compiled here for one-dimensional contiguous arrays, unless the
-        cache has it.
-    n_arrays
-        Number of its arguments.
-
-    Returns
-    -------
-    The callback; the same object for the same arguments. With compilation off (``NUMBA_DISABLE_JIT``) the function
-    itself, which plain Python calls as well.
-
-    Raises
-    ------
-    TypeError
-        For a function that is not compiled or returns something.
+    The same object for the same arguments. With compilation off (``NUMBA_DISABLE_JIT``) the function itself, which
+    plain Python calls as well. Raises TypeError for a function that is not compiled or returns something.
     """
     if numba_config.DISABLE_JIT:
         return function

@@ -50,10 +50,7 @@ class Argument(NamedTuple):
 
 
 class Message(str):
-    """A text that advises arguments: as text they are as Python has them, and each can be spelled otherwise.
-
-    Sums with texts are messages; a text into which one is formatted has the arguments as Python has them.
-    """
+    """A text that advises arguments, as Python has them until spelled otherwise; a sum with texts is a message."""
 
     __slots__ = ("parts",)
 
@@ -90,19 +87,7 @@ class Message(str):
 
 
 def argument(name: str, value: object = None) -> Message:
-    """Return a piece of a message that advises an argument, which is added to its texts.
-
-    Parameters
-    ----------
-    name
-        The argument's name.
-    value
-        The value to give; None for the name alone.
-
-    Returns
-    -------
-    ``overwrite=True`` in Python, ``--overwrite`` on the command line.
-    """
+    """Return a piece of a message: ``overwrite=True`` in Python, ``--overwrite`` on the command line."""
     return Message(Argument(name, value))
 
 
@@ -159,20 +144,7 @@ def installed_by(extra: str) -> str:
 
 
 def require_extra(what: str, extra: str) -> None:
-    """Raise MissingExtraError if a package of an extra is not installed. None of them is imported.
-
-    Parameters
-    ----------
-    what
-        What needs it, as the message begins.
-    extra
-        The extra's name in pyproject.toml.
-
-    Raises
-    ------
-    MissingExtraError
-        If one is missing; it names the extra.
-    """
+    """Raise MissingExtraError, which names the extra, if a package of it is not installed; none of them is imported."""
     if any(find_spec(package) is None for package in PACKAGES_OF[extra]):
         raise MissingExtraError(what, extra)
 
@@ -202,35 +174,13 @@ class FitRejectedError(NumericsError):
 
 
 def an_object(thing: object) -> str:
-    """Return what an object is, with its article: "an int", "a function".
-
-    Parameters
-    ----------
-    thing
-        Anything that a caller gave by mistake.
-
-    Returns
-    -------
-    The name of its type with its article.
-    """
+    """Return what an object is, with its article: "an int", "a function"."""
     name = type(thing).__name__
     return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
 
 
 def nearest_hint(name: str, known: Iterable[str]) -> str:
-    """Return the end of a message about an unknown name: the nearest known one, or all if none is near.
-
-    Parameters
-    ----------
-    name
-        The unknown name, as it was written.
-    known
-        All valid names.
-
-    Returns
-    -------
-    ``"; did you mean 'x'?"``, or ``"; known: ..."``, or "" if nothing is known.
-    """
+    """Return the end of a message about an unknown name: the nearest known one, or all if none is near."""
     names = sorted(known)
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     if near:

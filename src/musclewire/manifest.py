@@ -156,43 +156,20 @@ class Manifest:
 
 
 def folder_of(place: str) -> Path:
-    """Return a folder with data of a part.
-
-    Parameters
-    ----------
-    place
-        "package:folder".
-
-    Returns
-    -------
-    Its path.
-    """
+    """Return a folder with data of a part, given as "package:folder"."""
     package, _, folder = place.partition(":")
     return Path(str(files(package))) / folder
 
 
 def loaded(place: str) -> Any:
-    """Return what is at a place.
-
-    Parameters
-    ----------
-    place
-        "module:attribute".
-
-    Returns
-    -------
-    The attribute; its module is imported now if it was not before.
-    """
+    """Return what is at a place, "module:attribute", whose module is imported now if it was not before."""
     module, _, attribute = place.partition(":")
     return getattr(import_module(module), attribute)
 
 
 @cache
 def manifests() -> tuple[Manifest, ...]:
-    """Return the manifests of all parts that are there: our extras in the order of their names, then those of others.
-
-    A package of others whose manifest cannot be imported is named on stderr, and offers nothing.
-    """
+    """Return the manifests of our extras in the order of their names, then those of others that can be imported."""
     return (*own_manifests(), *manifests_of_others())
 
 
@@ -223,17 +200,7 @@ def complain(name: str, what: str) -> None:
 
 
 def offered(kind: str) -> dict[str, str]:
-    """Return what all parts offer of a kind, by name.
-
-    Parameters
-    ----------
-    kind
-        A field of :class:`Manifest` that maps names to places: "devices" for example. No part offers any other kind.
-
-    Returns
-    -------
-    Name to place. Of two offers of one name the first counts: our own before those of others.
-    """
+    """Return the places, by name, of what all parts offer of a kind, a field of a manifest; our own count first."""
     found: dict[str, str] = {}
     for manifest in manifests():
         for name, place in getattr(manifest, kind, {}).items():
@@ -242,18 +209,7 @@ def offered(kind: str) -> dict[str, str]:
 
 
 def require_packages_of(rig: str) -> None:
-    """Raise MissingExtraError if a rig's kind needs an extra that is not installed, before anything is imported for it.
-
-    Parameters
-    ----------
-    rig
-        A rig's name or the path of its file. What is wrong with either is said where the rig is opened.
-
-    Raises
-    ------
-    MissingExtraError
-        If a package is missing; it names the extra.
-    """
+    """Raise MissingExtraError for an extra that a rig's kind needs, before anything is imported for it."""
     named = f"{offered('rig_names').get(rig, rig)}.toml"
     shipped = (folder_of(manifest.rig_files) / named for manifest in manifests() if manifest.rig_files)
     try:
@@ -272,20 +228,7 @@ def parts() -> Mapping[str, Mapping[str, Any]]:
 
 
 def absent_part(kind: str, name: str) -> CallerError | None:
-    """Return the error for a name whose part is not there, None if no part has such a name.
-
-    Parameters
-    ----------
-    kind
-        "commands", "options", "names", "estimators", "devices", "load_parts", "rig_keys", "run_kinds" or "suffixes":
-        a key of ``parts.toml``.
-    name
-        What was asked for.
-
-    Returns
-    -------
-    The error, to be raised or shown.
-    """
+    """Return the error for a name of a kind in ``parts.toml`` whose part is not there, None for any other."""
     there = {manifest.name for manifest in manifests()}
     for part, offer in parts().items():
         if part not in there and name in offer.get(kind, ()):

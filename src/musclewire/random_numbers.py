@@ -28,17 +28,6 @@ def philox(
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
     """Return the four 32-bit words of Philox4x32-10 for a counter of four words and a key of 64 bits.
 
-    Parameters
-    ----------
-    counter_0, counter_1, counter_2, counter_3
-        The counter; of each the lower 32 bits count.
-    key
-        The seed.
-
-    Returns
-    -------
-    Four words.
-
     References
     ----------
     Salmon, Moraes, Dror and Shaw 2011, doi 10.1145/2063384.2063405.
@@ -56,32 +45,13 @@ def philox(
 
 @compiled
 def uniform(word: np.uint64) -> float:
-    """Return a 32-bit word as a number between 0 and 1, without both ends.
-
-    Parameters
-    ----------
-    word
-        The word.
-
-    Returns
-    -------
-    The number.
-    """
+    """Return a 32-bit word as a number between 0 and 1, without both ends."""
     return float(word) * PER_WORD + HALF_WORD
 
 
 @compiled
 def normal_pair(first: np.uint64, second: np.uint64) -> tuple[float, float]:
     """Return two independent normal numbers of variance 1 from two words.
-
-    Parameters
-    ----------
-    first, second
-        The words.
-
-    Returns
-    -------
-    Both numbers.
 
     References
     ----------

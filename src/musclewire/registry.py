@@ -25,20 +25,8 @@ Kind = TypeVar("Kind")
 class Registry(Generic[Kind]):
     """Kinds of one thing by name: our own, those of manifests, and those registered by a call.
 
-    Parameters
-    ----------
-    what
-        Word for a kind in messages, "estimator" for example.
-    field
-        The field of a manifest that offers such kinds, "estimators" for example.
-    built_in
-        Our own kinds by name, each as "module:attribute". A module is imported when its kind is first looked up.
-    parts
-        Names that what a kind makes must have: a kind is then a class or a function of a setup. None for kinds that are
-        used as they are.
-    check
-        Looks at the class of what a kind makes when it is registered, as far as it is known then, and at what a kind
-        has made; gets it, and whose it is in words. It raises CallerError.
+    What a kind makes must have ``parts``; none for kinds that are used as they are. ``check`` gets what a kind has
+    made, or its class when it is registered, and whose it is in words; it raises CallerError.
     """
 
     def __init__(
@@ -57,18 +45,8 @@ class Registry(Generic[Kind]):
     def register(self, name: str, kind: Kind) -> None:
         """Add a kind under a name.
 
-        Parameters
-        ----------
-        name
-            Name on the command line and in files.
-        kind
-            The object that :meth:`find` returns for it.
-
-        Raises
-        ------
-        CallerError
-            If the name is taken by another kind, or what is registered cannot be called; if its class, or the class
-            that a function says it returns, names a column that it cannot record.
+        Raises CallerError if another kind has the name, what is registered cannot be called, or the class that it is or
+        says it returns names a column that it cannot record.
         """
         if self._parts and not callable(kind):
             raise CallerError(
@@ -96,22 +74,7 @@ class Registry(Generic[Kind]):
         return tuple(dict.fromkeys([*self.own_names(), *self._registered]))
 
     def find(self, name: str) -> Kind:
-        """Return the kind of a name.
-
-        Parameters
-        ----------
-        name
-            One of :meth:`names`.
-
-        Returns
-        -------
-        The kind, imported now if it was not before.
-
-        Raises
-        ------
-        CallerError
-            If nothing is known under the name; the message lists the nearest ones, or what took its place.
-        """
+        """Return the kind of a name, imported now if it was not; CallerError names the nearest for an unknown one."""
         if name in self._registered:
             return self._registered[name]
         place = self._places.get(name)
@@ -123,25 +86,7 @@ class Registry(Generic[Kind]):
         raise absent or CallerError(f"there is no {self.what} '{name}'{nearest_hint(name, self.names())}")
 
     def make(self, kind: str | Kind, setup: Any) -> Any:
-        """Return what a kind makes of a setup.
-
-        Parameters
-        ----------
-        kind
-            Its name, or the kind itself.
-        setup
-            What it is called with.
-
-        Returns
-        -------
-        What it has made.
-
-        Raises
-        ------
-        CallerError
-            For an unknown name, and if what was made lacks one of the parts of its kind, or names a column that it
-            cannot record.
-        """
+        """Return what a kind, or the one of a name, makes of a setup; CallerError if that lacks a part of its kind."""
         made = cast(Any, self.find(kind) if isinstance(kind, str) else kind)(setup)
         missing = [name for name in self._parts if not hasattr(made, name)]
         if missing:

@@ -22,11 +22,7 @@ MAX_WHOLE = 2**63
 
 
 def read_small(path: Path, what: str, instead: str = "") -> str:
-    """Return a file's text; ``what`` is its name in messages, such as "wire file".
-
-    Raises CallerError if there is none (the message ends with ``instead``), it cannot be read, is no UTF-8 or is larger
-    than 1 MB.
-    """
+    """Return the text of a file called ``what`` in messages; ``instead`` ends that about a missing one."""
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
@@ -67,11 +63,7 @@ def toml_of(text: str, where: str) -> dict[str, Any]:
 
 
 def json_of(text: str | bytes, where: str) -> Any:
-    """Return what a JSON text says.
-
-    Raises CallerError for what is no JSON in UTF-8, nested too deeply, or has a key twice, NaN, an infinity or endless
-    numbers.
-    """
+    """Return what a JSON text says; CallerError for a key given twice, NaN, an infinity or deep nesting."""
 
     def object_of(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found = dict(pairs)

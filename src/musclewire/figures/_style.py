@@ -25,39 +25,17 @@ class SubstituteFontWarning(UserWarning):
 
 @dataclass(frozen=True)
 class FigureStyle:
-    """Size and letters of a figure.
-
-    Parameters
-    ----------
-    name
-        Name by which it is asked for.
-    width_mm
-        Width of the figure [mm].
-    max_height_mm
-        Largest height [mm]; 0 where nothing limits it.
-    font_pt
-        Size of letters [pt].
-    small_pt
-        Size of letters at ticks and in legends [pt].
-    line_pt
-        Width of lines of data [pt].
-    grid
-        Whether lines of a grid are drawn.
-    fonts
-        Names of fonts; the first that is installed is taken.
-    source
-        Where the numbers come from.
-    """
+    """Size and letters of a figure."""
 
     name: str
     width_mm: float
-    max_height_mm: float
+    max_height_mm: float  # 0 where nothing limits it
     font_pt: float
-    small_pt: float
-    line_pt: float
+    small_pt: float  # at ticks and in legends
+    line_pt: float  # width of lines of data
     grid: bool
-    fonts: tuple[str, ...]
-    source: str
+    fonts: tuple[str, ...]  # the first that is installed is taken
+    source: str  # where the numbers come from
 
     @property
     def wide(self) -> bool:
@@ -112,32 +90,12 @@ def _styles() -> Mapping[str, FigureStyle]:
 
 
 def figure_style_names() -> tuple[str, ...]:
-    """Return the names of the styles.
-
-    Returns
-    -------
-    The names in the order of the file of styles, "screen" first.
-    """
+    """Return the names of the styles, "screen" first."""
     return tuple(_styles())
 
 
 def figure_style(name: str) -> FigureStyle:
-    """Return a style by its name.
-
-    Parameters
-    ----------
-    name
-        "screen", "slides", or a journal's column: "ieee-single", "elsevier-double", "nature", ...
-
-    Returns
-    -------
-    Its sizes and fonts.
-
-    Raises
-    ------
-    CallerError
-        For an unknown name; the message suggests the nearest.
-    """
+    """Return a style by its name: "screen", or a journal's column as "ieee-single" or "elsevier-double"."""
     styles = _styles()
     if name not in styles:
         raise CallerError(f"there is no figure style '{name}'{nearest_hint(name, styles)}")

@@ -29,13 +29,13 @@ OURS = ("musclewire.", "matplotlib.", "contextlib")
 class StyledFigure(Figure):
     """A figure of a style: matplotlib makes ticks only when it draws, so that drawing needs the style, too.
 
-    It shows itself in a notebook, with or without pyplot, and is saved as any figure: ``figure.savefig("a.pdf")``.
+    It shows itself in a notebook, with or without pyplot.
     """
 
     def __init__(self, style: str | FigureStyle, height_mm: float, **_of_pyplot: Any) -> None:
         """Make an empty figure of the style's width, and of this height unless the style allows less.
 
-        Pyplot's own arguments, a size and colours, are the style's here. Warns where a font stands in for the style's.
+        Pyplot's own arguments, a size and colours, are the style's here.
         """
         self.style = figure_style(style) if isinstance(style, str) else style
         if said := self.style.substitute:

@@ -35,19 +35,7 @@ STYLE: Mapping[str, object] = {
 
 
 def svg(figure: Figure, name: str) -> Markup:
-    """Return a figure as an <svg> element.
-
-    Parameters
-    ----------
-    figure
-        The figure; it gets a canvas for SVG.
-    name
-        Keeps the ids of the element apart from those of other figures in one page.
-
-    Returns
-    -------
-    The element as markup, the same for the same figure.
-    """
+    """Return a figure as an <svg> element, whose ids ``name`` keeps apart from those of other figures in one page."""
     import matplotlib as mpl
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
@@ -65,42 +53,18 @@ def svg(figure: Figure, name: str) -> Markup:
 
 
 def svg_in_frame(figure: Figure, name: str) -> Markup:
-    """Return a wide figure in a frame: on a phone the frame scrolls sideways and the letters keep their size.
-
-    Parameters
-    ----------
-    figure
-        The figure; it gets a canvas for SVG.
-    name
-        Keeps the ids of the element apart from those of other figures in one page.
-
-    Returns
-    -------
-    HTML of the frame with the figure as :func:`svg` writes it.
-    """
+    """Return a wide figure in a frame: on a phone the frame scrolls sideways and the letters keep their size."""
     drawn_px = 96.0 * figure.get_figwidth()
     frame = Markup('<div class="scroll broad" style="--drawn: {:.0f}px">{}</div>')
     return frame.format(drawn_px, svg(figure, name))
 
 
 class NumberCard(NamedTuple):
-    """A key number of a page.
-
-    Parameters
-    ----------
-    name
-        What it is.
-    value
-        The number with its unit.
-    note
-        What is said beneath it.
-    ok
-        False for a number that is not as it should be; it is shown in red.
-    """
+    """A key number of a page; one that is not ok is shown in red."""
 
     name: str
     value: str
-    note: str
+    note: str  # said beneath it
     ok: bool = True
 
 
@@ -122,45 +86,14 @@ def template_text(name: str) -> str:
 
 
 def page(template: str, **values: object) -> str:
-    """Return a page: a template, filled.
+    """Return a template ("PACKAGE/FILE", extending "musclewire.pages/base.html") filled with values.
 
-    Parameters
-    ----------
-    template
-        Full name of the package in whose folder the template is, a slash, and its file name, as
-        "musclewire.app._report/report.html". It extends "musclewire.pages/base.html", which has the style sheet.
-    **values
-        What the template names; text is escaped, what :func:`svg` returns and other markup is not.
-
-    Returns
-    -------
-    HTML of the whole page.
-
-    Raises
-    ------
-    jinja2.UndefinedError
-        If the template has a name that has no value.
+    Text is escaped, markup is not. Raises jinja2.UndefinedError if the template has a name that has no value.
     """
     return environment().get_template(template).render(values)
 
 
 def notebook_table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]], note: str = "") -> str:
-    """Return a small table, as notebooks show objects.
-
-    Parameters
-    ----------
-    title
-        What is in it.
-    head
-        Names of the columns; none without.
-    rows
-        Cells of each row.
-    note
-        What is said beneath it.
-
-    Returns
-    -------
-    HTML of the table; everything given is escaped.
-    """
+    """Return a small table with a note beneath, as notebooks show objects; everything given is escaped."""
     found = environment().get_template("musclewire.pages/notebook_table.html")
     return found.render(title=title, head=head, rows=list(rows), note=note)

@@ -202,7 +202,7 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
     """Return a size of the catalogue as a wire; each number states its source.
 
     ``shift_wire`` gives the temperatures of 90 C wire; ``reference_wire`` gives the convection factor, and its
-    resistivity counts as 1. Raises CallerError for an unknown name.
+    resistivity counts as 1.
     """
     catalogue = load_catalogue()
     row, wire_class, rules = catalogue_row(name), class_of(name), catalogue.wire

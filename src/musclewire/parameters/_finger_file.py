@@ -134,8 +134,5 @@ def finger_names() -> list[str]:
 
 
 def load_finger(name: str) -> FingerFile:
-    """Return a finger that ships with musclewire, by name, or one of a file (.toml), which is read at every call.
-
-    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
-    """
+    """Return a finger that ships with musclewire, by name, or one of a file (.toml), which is read at every call."""
     return load_named(FingerFile, "fingers", "finger", name)

@@ -17,17 +17,7 @@ FOLDERS = {"wire": "wires", "alloy": "alloys", "bench": "benches"}
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of all wires, alloys or benches that ship with musclewire; catalogue wires come last.
-
-    Parameters
-    ----------
-    kind
-        "wire", "alloy" or "bench".
-
-    Returns
-    -------
-    The names.
-    """
+    """Return the names of all wires, alloys or benches that ship with musclewire; catalogue wires come last."""
     return shipped_names(FOLDERS[kind]) + (catalogue_names() if kind == "wire" else [])
 
 
@@ -135,15 +125,5 @@ def published_text(name: str) -> str:
 
 @cache
 def read_published(name: str) -> dict[str, Any]:
-    """Return the published results in ``name``.toml as plain data.
-
-    Parameters
-    ----------
-    name
-        Name of a file of published results, without ``.toml``: ``lan_fan_2010``.
-
-    Returns
-    -------
-    Its tables as nested dictionaries; units are in the names of the keys.
-    """
+    """Return the published results in ``name``.toml as plain data, with units in the names of the keys."""
     return tomllib.loads(published_text(f"{name}.toml"))

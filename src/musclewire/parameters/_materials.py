@@ -64,22 +64,7 @@ class Material(ParameterGroup):
         return list(self.minimum_thickness_m)
 
     def process_called(self, name: str | None) -> str:
-        """Return a process by its name or a common synonym (fdm, fff, sls).
-
-        Parameters
-        ----------
-        name
-            What the caller calls it; None for the usual one.
-
-        Returns
-        -------
-        Its name in the file.
-
-        Raises
-        ------
-        CallerError
-            For a process that is not known for this material.
-        """
+        """Return a process by its name or a common synonym (fdm, fff, sls); by default the usual one."""
         if name is None:
             return self.processes[0]
         chosen = name if name in self.minimum_thickness_m else SYNONYMS.get(name.lower(), name)
@@ -88,22 +73,7 @@ class Material(ParameterGroup):
         return chosen
 
     def minimum_thickness_by(self, process: str | None) -> float:
-        """Return the thinnest flexure [m] that a process makes.
-
-        Parameters
-        ----------
-        process
-            The process; None for the usual one.
-
-        Returns
-        -------
-        Its thickness [m].
-
-        Raises
-        ------
-        CallerError
-            For a process that is not known for this material.
-        """
+        """Return the thinnest flexure that a process, by default the usual one, makes."""
         return self.minimum_thickness_m[self.process_called(process)].value
 
 

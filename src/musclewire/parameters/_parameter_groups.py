@@ -46,10 +46,7 @@ Range = Literal["positive", "not negative", "any", "whole", "fraction"]
 
 
 def parameter(unit: str, description: str, allowed: Range = "positive", *, absent: Parameter | None = None) -> Any:
-    """Return the field of a parameter, with the unit that a file must state and the range allowed.
-
-    A file must have it unless ``absent`` says what holds for a file without it.
-    """
+    """Return the field of a parameter: unit and range; ``absent`` holds for a file without it."""
     extra: dict[str, Any] = {"unit": unit, "allowed": allowed}
     if absent is None:
         return Field(description=description, json_schema_extra=extra)

@@ -93,20 +93,5 @@ class PriorSet(BaseModel):
 
 
 def load_priors(name: str = "niti-wire") -> PriorSet:
-    """Return a set of priors.
-
-    Parameters
-    ----------
-    name
-        Name of a set that ships with musclewire, or path of a TOML file; by default that of NiTi wires.
-
-    Returns
-    -------
-    The priors, checked.
-
-    Raises
-    ------
-    CallerError
-        For an unknown name, or a file that cannot be read or breaks the schema.
-    """
+    """Return a set of priors that ships with musclewire, or that of a TOML file, checked."""
     return load_named(PriorSet, "priors", "set of priors", name)

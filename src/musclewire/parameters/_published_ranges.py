@@ -17,19 +17,17 @@ ROUNDING = 1e-6
 
 
 class PublishedRange(BaseModel):
-    """The range over all sources found, in SI; low and high are equal if there is only one figure.
-
-    ``standing`` says how reliable it is: figures read in a source, derived from such, or from recollection. ``former``
-    are its ends before it was widened, after one fit and before that which ships.
-    """
+    """The range over all sources found, in SI; low and high are equal if there is only one figure."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     low: float = Field(allow_inf_nan=False)
     high: float = Field(allow_inf_nan=False)
     unit: str
+    # How reliable it is: figures read in a source, derived from such, or from recollection.
     standing: Literal["looked up", "derived", "recollection"]
     source: str = Field(min_length=3)
+    # Its ends before it was widened, after one fit and before that which ships.
     former: tuple[float, float] | None = None
 
     @model_validator(mode="after")
@@ -58,16 +56,14 @@ class PublishedRange(BaseModel):
 
 
 class PublishedRanges(BaseModel):
-    """Ranges by parameter name, of quantities that follow from several, and of what spools differ in from their alloy.
-
-    ``spools_of`` has, by the name of a wire, what replaces ``spools`` for it.
-    """
+    """Ranges of parameters by name, of what follows from several, and of what spools differ in from their alloy."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     parameters: dict[str, PublishedRange]
     derived: dict[str, PublishedRange]
     spools: dict[str, PublishedRange] = Field(default_factory=dict)
+    # By the name of a wire, what replaces ``spools`` for it.
     spools_of: dict[str, dict[str, PublishedRange]] = Field(default_factory=dict)
 
     @model_validator(mode="after")

@@ -26,16 +26,9 @@ class TaggedTable:
     """Annotation of a field that holds a table: one key names its kind, whose schema checks it.
 
     Unlike a union of schemas it accepts kinds that were registered later, by a call or by another package.
-
-    Parameters
-    ----------
-    registry
-        Schemas by name; each has the key as a literal of that name.
-    key
-        The key that names the kind.
     """
 
-    registry: Registry[Any]
+    registry: Registry[Any]  # schemas by name; each has the key as a literal of that name
     key: str
 
     def __get_pydantic_core_schema__(self, _source: Any, _handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -131,10 +124,7 @@ def shipped_names(folder: str) -> list[str]:
 
 
 def load_named(model: type[Model], folder: str, what: str, name: str) -> Model:
-    """Return a file that ships with musclewire, by name, or a user's (.toml), which is read at every call.
-
-    Raises CallerError for an unknown name or a wrong file, naming the key and the nearest right one.
-    """
+    """Return a file that ships with musclewire, by name, or a user's (.toml), which is read at every call."""
     if name.endswith(".toml"):
         return validated(model, read_toml(Path(name), f"{what} file"), f"{what} file {name}")
     if name not in shipped_names(folder):
@@ -150,13 +140,7 @@ def shipped(model: type[Model], folder: str, what: str, name: str) -> Model:
 
 
 class CheckedFile(BaseModel):
-    """A model that refuses wrong values with a message in one line, whether a file has them or a program.
-
-    Raises
-    ------
-    CallerError
-        For an unknown key, suggesting the nearest, and for a value that a key does not allow.
-    """
+    """Refuses unknown keys and wrong values by a CallerError in one line, whether a file has them or a program."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -205,10 +189,7 @@ def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
-    """Return a message for a wrong value, with the unit if the key has one; None for other kinds of error.
-
-    ``problem`` is one of pydantic's errors: its ``type``, ``loc``, ``input`` and ``ctx``.
-    """
+    """Return a message for one of pydantic's errors, a wrong value, with its key's unit; None for others."""
     key = str(problem["loc"][-1]) if problem["loc"] else ""
     field = place_of(model, problem["loc"]).field
     if problem["type"] in TABLE_EXPECTED:

@@ -22,18 +22,10 @@ Voltage = TypeVar("Voltage", float, FloatArray)
 
 
 class ResistanceReading(NamedTuple):
-    """One resistance of a wire, and whether it is valid.
+    """One resistance of a wire, and whether it is valid."""
 
-    Parameters
-    ----------
-    resistance_ohm
-        Resistance [ohm]; 0.0 if it is not valid.
-    valid
-        Whether a usable current flowed.
-    """
-
-    resistance_ohm: float
-    valid: bool
+    resistance_ohm: float  # 0.0 if it is not valid
+    valid: bool  # whether a usable current flowed
 
 
 class ArrayReading(NamedTuple):
