@@ -214,12 +214,7 @@ class CommandLine(ListedGroup):
 
 
 def listed_commands() -> dict[str, Any]:
-    """Return every command and group as the list knows it, in the order of the panels.
-
-    Returns
-    -------
-    Commands by name: ``ListedCommand`` for each, and a group of them for each group that has any.
-    """
+    """Return every command and group by name as the list knows it, in the order of the panels."""
     all_commands = [*COMMANDS, *(command for manifest in manifests() for command in manifest.commands)]
     all_groups = [*GROUPS, *(group for manifest in manifests() for group in manifest.groups)]
     members = {group.name: [each for each in all_commands if each.group == group.name] for group in all_groups}
@@ -255,12 +250,7 @@ def in_order(offers: Iterable[Listed]) -> list[Listed]:
 
 
 def every_command() -> dict[str, Any]:
-    """Return every command with its options, each module imported: for documentation and tests.
-
-    Returns
-    -------
-    Commands by their words, "control" and "export c" for example, in the order of the list.
-    """
+    """Return every command with its options by its words, as "export c", in the list's order; modules are imported."""
     found: dict[str, Any] = {}
     for name, listed in listed_commands().items():
         if isinstance(listed, TyperGroup):

@@ -82,32 +82,15 @@ def answers() -> dict[str, str]:
 
 @cache
 def schema_names() -> tuple[str, ...]:
-    """Return the names of all schemas: files first, then what commands print with ``--json``.
-
-    Returns
-    -------
-    Names for :func:`json_schema`, such as "model", "rig-serial" and "output-control".
-    """
+    """Return the names of all schemas: files first, then what commands print with ``--json``, as "output-control"."""
     return (*file_models(), *(f"{OUTPUT}{name}" for name in sorted(answers())))
 
 
 def json_schema(name: str) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of file, or of what a command prints with ``--json``.
+    """Return the JSON Schema (2020-12) of a kind of file, or of what a command prints with ``--json``.
 
-    Parameters
-    ----------
-    name
-        One of :func:`schema_names`: "model", "rig-serial", "output-control". A TOML file is judged as the JSON document
-        that has the same tables.
-
-    Returns
-    -------
-    The schema, in the dialect 2020-12.
-
-    Raises
-    ------
-    CallerError
-        If there is no schema of the name.
+    A TOML file is judged as the JSON document that has the same tables. Raises CallerError if there is no schema of the
+    name.
     """
     if name not in schema_names():
         raise CallerError(f"there is no schema '{name}'{nearest_hint(name, schema_names())}")

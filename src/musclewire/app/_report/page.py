@@ -22,17 +22,7 @@ MINIMUM, MAXIMUM = Markup("R<sub>min</sub>"), Markup("R<sub>max</sub>")
 
 
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
-    """Write the report of a demo, whole or not at all.
-
-    Parameters
-    ----------
-    result
-        All that the demo found.
-    path
-        File to write (.html).
-    wall_s
-        Time that the demo took [s], for the card "Computed in".
-    """
+    """Write the report of a demo, whole or not at all; ``wall_s`` is the time that the demo took."""
     figures = report_figures(result)
     metadata = result.run.metadata
     parts = {
