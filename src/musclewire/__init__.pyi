@@ -31,6 +31,7 @@ from .experiment import train as train
 from .experiment import zero_tendon as zero_tendon
 from .identify import estimate as estimate
 from .identify import fit as fit
+from .identify import import_recording as import_recording
 from .identify import loop_gaps as loop_gaps
 from .identify import simulated_isobar as simulated_isobar
 from .identify import tune as tune
@@ -85,7 +86,6 @@ from .signals import SourceTable as SourceTable
 from .signals import TableInMemory as TableInMemory
 from .signals import WireSample as WireSample
 from .signals import drive_voltage_of as drive_voltage_of
-from .signals import import_recording as import_recording
 from .signals import measured_in as measured_in
 from .signals import read_recording as read_recording
 from .signals import recover_recording as recover_recording

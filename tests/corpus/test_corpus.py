@@ -16,7 +16,8 @@ from tests.places import TESTS
 
 from musclewire.app import in_options
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import ImportMapping, import_recording, parse_quantity, read_recording
+from musclewire.identify import import_recording
+from musclewire.signals import ImportMapping, parse_quantity, read_recording
 
 # Those beside this test, and those of the extras.
 MANIFESTS = sorted([*TESTS.glob("corpus/*.toml"), *TESTS.glob("extras/*/corpus/*.toml")], key=lambda path: path.name)

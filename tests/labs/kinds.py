@@ -37,7 +37,7 @@ from tests.labs.drawn_layouts import AXES, MARKS, MEASURED, Drawn, Truth, drawn
 from tests.labs.layouts import TIME
 
 import musclewire as mw
-from musclewire.signals import judge_readings
+from musclewire.judge import judge_readings
 
 Command = Callable[[Sequence[str]], Answer]
 OUTCOMES = ("right", "by line", "part", "clear", "unclear", "wrong", "traceback")

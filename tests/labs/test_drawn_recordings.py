@@ -150,19 +150,8 @@ def draw(number: int, folder: Path, command: Command) -> None:
             assert command(*shlex.split(text.split("  try: ", 1)[1])[1:]).code == 0, where
 
 
-# Recordings that are joined wrongly and said to be joined, by the hundred that they are in.
-WRONG = {
-    18: pytest.mark.xfail(
-        strict=True,
-        reason="1871: two clocks of which one is 1.3 % fast, with one event in common: the delay is 1.6 s off where "
-        "0.095 s is stated, beside the note that it is not known whether they drift",
-    )
-}
 QUARTER = range(25)
-HUNDREDS = [
-    pytest.param(range(100 * n, 100 * n + 100), marks=[pytest.mark.full, *filter(None, [WRONG.get(n)])])
-    for n in range(20)
-]
+HUNDREDS = [pytest.param(range(100 * n, 100 * n + 100), marks=pytest.mark.full) for n in range(20)]
 
 
 @pytest.mark.parametrize("numbers", [QUARTER, *HUNDREDS], ids=lambda numbers: f"{numbers.start}-{numbers.stop}")

@@ -12,7 +12,7 @@ from numpy.random import Generator
 from tests.labs.drawn_layouts import FACTORS, QUANTITIES, UNITS
 from tests.labs.loops import DEFECTS, LOOPS, Array, loop
 
-from musclewire.signals import judge_readings
+from musclewire.judge import judge_readings
 
 # Marks of instruments and full scales of converters, as a file writes them, in any unit.
 MARKS = (-9999.0, 1e9, 8388607.0, 8388.607, 65535.0, 32767.0, 4095.0, 8190.0, 999.999, -1.0)

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from musclewire.app._answers import ImportAnswer
-    from musclewire.signals import FileInterpretation, ImportMapping, JoinedRecordings
+    from musclewire.identify import FileInterpretation
+    from musclewire.signals import ImportMapping, JoinedRecordings
 
 
 def import_recordings(
@@ -36,7 +37,8 @@ def import_recordings(
     matlab_version: Annotated[str | None, MATLAB_VERSION] = None,
 ) -> Result:
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
-    from musclewire.signals import import_recording, mappings_of_files
+    from musclewire.identify import import_recording
+    from musclewire.signals import mappings_of_files
     from musclewire.signals import save_mapping as remember
 
     require_possible(files, join if delay is None else delay, output, save_mapping, overwrite)

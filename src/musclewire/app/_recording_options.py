@@ -100,7 +100,8 @@ class ReadingOptions:
 
         ``tried`` returns what the command that was typed ends with by a mapping.
         """
-        from musclewire.signals import import_recording, mappings_of_files, proposed_mapping
+        from musclewire.identify import import_recording, proposed_mapping
+        from musclewire.signals import mappings_of_files
 
         for path, wanted in zip(paths, mappings_of_files(paths, self.import_mapping()), strict=True):
             if len(paths) > 1 and not str(problem).startswith(path):

@@ -3,6 +3,9 @@
 from ._extrapolation import extrapolation_warnings as extrapolation_warnings
 from ._extrapolation import reached_in as reached_in
 from ._extrapolation import whole_section_m2 as whole_section_m2
+from ._file_import import import_recording as import_recording
+from ._file_import import proposed_mapping as proposed_mapping
+from ._file_interpretation import FileInterpretation as FileInterpretation
 from ._home.homing import Homing as Homing
 from ._home.homing import homed_model as homed_model
 from ._home.homing import homing_figure as homing_figure

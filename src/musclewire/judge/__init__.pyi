@@ -22,3 +22,6 @@ from ._run_correction import KEPT as KEPT
 from ._run_correction import TODAY as TODAY
 from ._run_correction import ZEROS as ZEROS
 from ._run_correction import RunCorrection as RunCorrection
+from ._unusable_readings import JudgedReadings as JudgedReadings
+from ._unusable_readings import ReadingsOfBlocks as ReadingsOfBlocks
+from ._unusable_readings import judge_readings as judge_readings

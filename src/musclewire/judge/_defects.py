@@ -18,16 +18,16 @@ from scipy.special import stdtrit
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.judge._findings import remedies
+from musclewire.judge._lone_readings import MOTION
 from musclewire.judge._readings import JudgedRecording, resistance_reading
+from musclewire.judge._unusable_readings import judge_readings
 from musclewire.sensing import SHOWN_AS, hysteresis_gap, noise_level, turning_points
 from musclewire.signals import (
     COLUMN_SUFFIX,
     COLUMNS,
-    MOTION,
     Recording,
     RunFacts,
     asked_once,
-    judge_readings,
     reference_quantity,
 )
 

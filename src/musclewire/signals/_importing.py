@@ -41,7 +41,6 @@ from musclewire.signals._headers import (
 from musclewire.signals._import_mapping import CurableError, ImportMapping
 from musclewire.signals._long_tables import spread_series
 from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._proposing import columns_offered, judged_units, mapped_with_unit, repeated_stamps
 from musclewire.signals._side_by_side import stacked_branches
 from musclewire.signals._source_table import (
     Cells,
@@ -54,14 +53,6 @@ from musclewire.signals._source_table import (
     stated_start_s,
 )
 from musclewire.signals._units import beyond, largest_in, scale_to_si
-from musclewire.signals._unusable_readings import (
-    CLOCK_DOUBTED,
-    LEFT_OUT,
-    SIGN_TURNED,
-    ReadingsOfBlocks,
-    is_overload,
-    turned_columns,
-)
 
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
 _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "strain_cooling"})
@@ -85,6 +76,13 @@ _MAX_RUN_OF_REPEATS = 5
 # Below headers that stand once more a test goes on if its clock does, by so many of its usual steps.
 _STEPS_OVER_HEADERS = 3.0
 _MAX_BEYOND = 0.05
+# Metadata: which rows an import left out, where times are not as far apart as stated, and which columns were negative.
+NOTED_BY_IMPORT = LEFT_OUT, CLOCK_DOUBTED, SIGN_TURNED = "rows_left_out", "clock_doubted", "sign_turned"
+# Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
+_OVERLOAD_FROM = 1e30
+# A column has one sign if no more than this part of its readings has the other, of those above a part of the largest.
+_MAX_OTHER_SIGN, _NEXT_TO_NOTHING, _MIN_ROWS_OF_A_SIGN = 0.1, 0.05, 5
+_OF_CURRENT = ("wire_current_a", "shunt_voltage_v")
 _RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
 SHUNT_NEEDED = "nothing states the shunt's resistance, which converting the file needs"
 NO_SHUNT = (
@@ -96,11 +94,34 @@ NO_SHUNT = (
 _DROP_CURE = "or leave such rows out (" + argument("drop_missing", True) + ")"
 
 
+def is_overload(values: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return which numbers are overload marks, (n_times,)."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(values) >= _OVERLOAD_FROM)
+
+
+def turned_columns(columns: Mapping[str, FloatArray]) -> tuple[str, ...]:
+    """Return which of voltage and current are negative throughout where the other is positive."""
+    found = []
+    for name in _OF_CURRENT:
+        if {"wire_voltage_v", name} <= columns.keys():
+            pair = {one: columns[one] for one in (name, "wire_voltage_v")}
+            there = [np.abs(values) > _NEXT_TO_NOTHING * np.quantile(np.abs(values), 0.9) for values in pair.values()]
+            signs = np.sign([values[there[0] & there[1]] for values in pair.values()])
+            if signs.shape[1] > _MIN_ROWS_OF_A_SIGN and _are_most(signs.prod(axis=0) < 0.0):
+                found += [one for one, sign in zip(pair, signs, strict=True) if _are_most(sign < 0.0)]
+    return tuple(dict.fromkeys(found))
+
+
+def _are_most(rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> bool:
+    return bool(np.mean(rows) > 1.0 - _MAX_OTHER_SIGN)
+
+
 @dataclass(frozen=True)
 class ImportPlan:
     """A table and what each of its columns becomes; ``problem`` is the first reason why it cannot be read, or "".
 
-    ``cure`` is what to add to the mapping against it; None if that is not known. ``row_clock`` says that the rows are
+    ``no_clock`` is the column that may be the clock if more were known of it. ``row_clock`` says that the rows are
     numbered for want of a clock, ``test`` which of several tests below each other is read, from 1; None for the only
     one.
     """
@@ -111,7 +132,7 @@ class ImportPlan:
     sample_period_s: float | None = None
     notes: tuple[str, ...] = ()
     problem: str = ""
-    cure: ImportMapping | None = None
+    no_clock: NoClock | None = None
     row_clock: bool = False
     test: int | None = None
     clock: Clock | None = None
@@ -121,12 +142,6 @@ class ImportPlan:
         """The columns of the recording; a clock that is counted comes first."""
         taken = tuple(item.column for item in self.match.taken)
         return taken if self.sample_period_s is None else ("time_s", *taken)
-
-    @property
-    def offered(self) -> ImportMapping | None:
-        """What headers with unknown names may be, if something of the wire is among it; else None."""
-        found = columns_offered(self.table, self.match)
-        return found if found.columns else None
 
     @property
     def is_electrical(self) -> bool:
@@ -155,7 +170,6 @@ class CheckedBlocks:
     repeated: int = 0
     start_time: str | None = None
     overloads: dict[str, int] = field(default_factory=dict)
-    readings: ReadingsOfBlocks = field(default_factory=ReadingsOfBlocks)
     clock_start_s: float | None = None
     clock_doubt: str | None = None
     turned: tuple[str, ...] | None = None
@@ -173,7 +187,6 @@ class CheckedBlocks:
     def add(self, columns: Mapping[str, FloatArray]) -> None:
         """Count a block of the recording's rows."""
         self.row_count += next(iter(columns.values())).size
-        self.readings.add(columns)
         for name, values in columns.items():
             finite = values[np.isfinite(values)]
             if finite.size:
@@ -230,15 +243,16 @@ def plan_import(table: SourceTable, mapping: ImportMapping, test: int | None = N
     row_clock = period_s is None and _has_row_clock(match, table, stacked)
     period_s = 1.0 if row_clock else period_s
     notes = _notes(table, mapping, period_s, row_clock, clock)
-    plan = ImportPlan(table, match, mapping, period_s, notes, row_clock=row_clock, test=test, clock=clock)
+    plan = ImportPlan(
+        table, match, mapping, period_s, notes, no_clock=no_clock, row_clock=row_clock, test=test, clock=clock
+    )
     if not mapping.columns and headers == numbered_headers(len(headers)):
         problem = (
             f"{path}: has no headers; name the columns in the first line, such as 'time [s],wire_voltage_v', "
             "or map them by number: time_s=#1:s"
         )
         return replace(plan, problem=problem)
-    problem = _problem(plan, headers)
-    return replace(plan, problem=problem, cure=_cure(plan, no_clock) if problem else None)
+    return replace(plan, problem=_problem(plan, headers))
 
 
 def _clock_of(table: SourceTable, mapping: ImportMapping) -> tuple[Clock | None, NoClock | None]:
@@ -292,7 +306,7 @@ def checked_blocks(plan: ImportPlan, tally: CheckedBlocks) -> Iterator[dict[str,
     Raises RecordingError with file, line or row, and column for the first number that cannot be used.
     """
     if plan.problem:
-        raise CurableError(plan.problem, plan.cure)
+        raise RecordingError(plan.problem)
     reader = _BlockReader(plan, tally)
     for block in plan.table.blocks(reader.indices):
         if block.is_end:
@@ -558,13 +572,13 @@ class _BlockReader:
 
     def _mounted(self, columns: dict[str, FloatArray]) -> dict[str, FloatArray]:
         """Return columns with those of sensors turned around and counted from the first row, if asked for."""
-        if self._tally.turned is None:
+        if self._tally.turned is None and next(iter(columns.values())).size:
             # Whoever writes our names exactly, writes what we would.
             others = {
                 item.column: columns[item.column] for item in self._plan.match.taken if item.header != item.column
             }
             self._tally.turned = turned_columns(others)
-        columns |= {name: -columns[name] for name in self._tally.turned}
+        columns |= {name: -columns[name] for name in self._tally.turned or ()}
         if self._plan.mapping.invert:
             columns |= {name: -columns[name] for name in _INVERTED if name in columns}
         if self._plan.mapping.zero:
@@ -625,6 +639,19 @@ def _first_of(
     return found
 
 
+def repeated_stamps(time_s: FloatArray) -> float | None:
+    """Return the time between rows [s] if stamps stand still for a number of rows that is the same within one."""
+    starts = np.flatnonzero(np.diff(time_s, prepend=time_s[0] - 1.0) != 0.0)
+    sizes, steps = np.diff(starts), np.diff(time_s[starts])
+    if sizes.size < 2 or float(np.median(sizes)) < 2.0 or (steps <= 0.0).any():
+        return None
+    # The first stamp may have begun earlier, and the stamps be rounded.
+    inner, step = sizes[1:] if sizes.size > 2 else sizes, float(np.median(steps))
+    if int(np.ptp(inner)) > 1 or float(np.ptp(steps)) > 0.05 * step:
+        return None
+    return float(f"{steps[-inner.size :].sum() / inner.sum():.6g}")
+
+
 def is_polled(measured: FloatArray) -> bool:
     """Return whether rows are repeated because they were read more often than measured.
 
@@ -652,27 +679,6 @@ def _has_row_clock(match: HeaderMatch, table: SourceTable, stacked: bool) -> boo
     # Steps of current and what they did, one row each; a meter's record without its clock is longer, and has a voltage.
     in_steps = "wire_resistance_ohm" in found and not found & {"wire_voltage_v", "drive_voltage_v"}
     return stacked or (in_steps and rows_in(table) <= _MAX_STEPS)
-
-
-def _cure(plan: ImportPlan, no_clock: NoClock | None) -> ImportMapping | None:
-    """Return what to add to the mapping against the plan's problem, None if nothing is known."""
-    match, table = plan.match, plan.table
-    offered = columns_offered(table, match)
-    for item in match.undecided:
-        twice = next((one for one in match.taken if one.column == item.column), None)
-        if twice is not None:
-            return ImportMapping({item.column: mapped_with_unit(table, twice.header, twice.index, twice.column)})
-        if "or ignore it" in item.message:
-            return None
-        if item.column == "time_s":
-            unit = None if no_clock is None else no_clock.offered
-            return None if unit is None else offered.joined(ImportMapping({"time_s": f"{item.header}:{unit}"}))
-        # What the file does not state a person has to know, unless it can be one thing only.
-        judged = judged_units(table, match)
-        return None if judged is None else offered.joined(judged)
-    found = set(plan.names) | set(offered.columns)
-    has_clock = "time_s" in found or needs_no_clock(found)
-    return offered if found - _COUNTERS and has_clock else None
 
 
 def _counted_period_s(match: HeaderMatch, table: SourceTable, mapping: ImportMapping) -> float | None:

@@ -1,11 +1,9 @@
-"""Reading recordings from files of musclewire and of other programs, with a report of how they were understood."""
+"""Reading recordings from files of musclewire and of other programs."""
 
 from __future__ import annotations
 
-import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,28 +12,13 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.manifest import absent_part, loaded, manifests
 from musclewire.signals._headers import missing_from, numbered_headers
-from musclewire.signals._import_mapping import CurableError, ImportMapping, load_mapping
-from musclewire.signals._importing import (
-    NO_SHUNT,
-    SHUNT_NEEDED,
-    CheckedBlocks,
-    ImportPlan,
-    checked_blocks,
-    plan_import,
-)
+from musclewire.signals._import_mapping import ImportMapping, load_mapping
+from musclewire.signals._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
 from musclewire.signals._journal import is_journal, unfinished
 from musclewire.signals._metadata import MetadataValue, checked_metadata
 from musclewire.signals._recording import Recording
 from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
-from musclewire.signals._understanding import FileInterpretation, understanding_of
-from musclewire.signals._writing import require_streamable, write_blocks
 
-# Blocks of rows that are read before a file is written.
-BUFFERED_BLOCKS = 8
-# Each step of a proposal cures one thing: columns, clock, missing numbers, the test.
-MAX_STEPS_OF_A_PROPOSAL = 8
-# A proposal that leaves out more of the rows is none.
-MAX_LEFT_OUT = 0.05
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
@@ -83,111 +66,12 @@ def read_recording(
     MissingExtraError
         For .parquet without pyarrow.
     """
-    wanted = _mapping(mapping, columns, metadata, group)
-    plan, tally = _plan(Path(path), wanted), CheckedBlocks()
+    wanted = given_mapping(mapping, columns, metadata, group)
+    plan, tally = import_plan(Path(path), wanted), CheckedBlocks()
     blocks = list(checked_blocks(plan, tally))
     values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0]}
     found = {**tally.started, **plan.metadata, **tally.noted}
     return _recording(values, found, Path(path))
-
-
-def import_recording(
-    path: str | Path,
-    output: str | Path | None = None,
-    columns: Mapping[str, str] | None = None,
-    metadata: Mapping[str, MetadataValue] | None = None,
-    mapping: ImportMapping | str | Path | None = None,
-    group: str | None = None,
-    matlab_version: str | None = None,
-) -> FileInterpretation:
-    """Check a recording of another program to its last row, and convert it if an output is given.
-
-    The file is read block after block, so that its size does not matter.
-
-    Parameters
-    ----------
-    path
-        The file.
-    output
-        The file to write: .h5, .hdf5, .csv, .parquet, .mat or .xlsx, of which the last two are collected in memory
-        first; one of this name is replaced. None, the default, only checks.
-    columns
-        As in :func:`read_recording`.
-    metadata
-        As in :func:`read_recording`.
-    mapping
-        As in :func:`read_recording`.
-    group
-        As in :func:`read_recording`.
-    matlab_version
-        As in :meth:`Recording.save`, of an output that ends in .mat.
-
-    Returns
-    -------
-    How the file was understood. Without an output a file that cannot be used has a ``problem``.
-
-    Raises
-    ------
-    RecordingError
-        If the file cannot be read at all, and with an output if it cannot be used, also for want of the resistance of a
-        shunt; nothing is written then.
-    CallerError
-        For a NAME in ``columns`` that is no column, a wrong mapping file, or an output that cannot be written.
-    MissingExtraError
-        For .parquet without pyarrow.
-    """
-    wanted = _mapping(mapping, columns, metadata, group)
-    if output is not None:
-        require_streamable(Path(output), matlab_version)
-    plan, tally = _plan(Path(path), wanted), CheckedBlocks()
-    if plan.lacks_shunt:
-        if output is not None and not plan.problem:
-            raise RecordingError(f"{path}: " + NO_SHUNT)
-        plan = replace(plan, notes=(*plan.notes, SHUNT_NEEDED))
-    if output is not None:
-        _write(plan, tally, Path(output), matlab_version)
-        problem = None
-    else:
-        problem = _first_problem(plan, tally)
-    # A file may be readable, and what was measured of the wire may have names that are not known.
-    cause = problem or CurableError("", plan.offered)
-    proposal = None if cause is None else proposed_mapping(path, wanted, cause)
-    return understanding_of(plan, tally, "" if problem is None else str(problem), proposal)
-
-
-def proposed_mapping(path: str | Path, mapping: ImportMapping, problem: RecordingError) -> ImportMapping | None:
-    """Return a mapping by which a file that was refused can be read.
-
-    Parameters
-    ----------
-    path
-        The file.
-    mapping
-        How it was to be read.
-    problem
-        Why it was refused.
-
-    Returns
-    -------
-    What was given and what has to be added, read to the last row; None if that is not known.
-    """
-    for _ in range(MAX_STEPS_OF_A_PROPOSAL):
-        if not isinstance(problem, CurableError) or problem.cure is None or problem.cure == ImportMapping():
-            return None
-        mapping, tally = mapping.joined(problem.cure), CheckedBlocks()
-        try:
-            plan = _plan(Path(path), mapping)
-            found = _first_problem(plan, tally)
-        except RecordingError as next_problem:
-            found = next_problem
-        if found is None and plan.offered is not None:
-            # What more of it may be read belongs to the same line.
-            found = CurableError("", plan.offered)
-        if found is None:
-            left_out = tally.dropped / (tally.dropped + tally.row_count)
-            return mapping if left_out <= MAX_LEFT_OUT and tally.readings.is_of_a_wire(plan.metadata) else None
-        problem = found
-    return None
 
 
 def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> list[ImportMapping]:
@@ -206,28 +90,6 @@ def mappings_of_files(paths: Sequence[str | Path], mapping: ImportMapping) -> li
         known = [column.header for table in tables for column in table.columns]
         raise RecordingError(f"no column '{wanted}' in any of {listed}{nearest_hint(wanted, known)}")
     return [mapping.without(*one) for one in missing]
-
-
-def understand(path: str | Path, columns: Mapping[str, str] | None = None) -> FileInterpretation:
-    """Return the column, unit, factor and range of each header of a file, which are ignored, and what is wrong with it.
-
-    Parameters
-    ----------
-    path
-        The file.
-    columns
-        As in :func:`read_recording`.
-
-    Returns
-    -------
-    The report, as of :func:`import_recording` without an output.
-
-    Raises
-    ------
-    RecordingError
-        If the file cannot be read at all, or the mapping does not fit it.
-    """
-    return import_recording(path, columns=columns)
 
 
 def read_hdf5(path: str | Path) -> Recording:
@@ -261,17 +123,18 @@ def has_headers(path: str | Path) -> bool:
     return headers != numbered_headers(len(headers))
 
 
-def _mapping(
+def given_mapping(
     mapping: ImportMapping | str | Path | None,
     columns: Mapping[str, str] | None,
     metadata: Mapping[str, MetadataValue] | None,
     group: str | None,
 ) -> ImportMapping:
+    """Return all that a caller says of how a file is read; a mapping file comes second."""
     given = load_mapping(mapping) if isinstance(mapping, str | Path) else mapping or ImportMapping()
     return given.joined(ImportMapping(columns or {}, metadata=checked_metadata(metadata or {}), group=group))
 
 
-def _plan(path: Path, mapping: ImportMapping) -> ImportPlan:
+def import_plan(path: Path, mapping: ImportMapping) -> ImportPlan:
     """Return what becomes of a file's columns, in the part and the test below each other that the group names."""
     chosen = None if mapping.group is None else _TEST.fullmatch(mapping.group)
     if chosen is None:
@@ -281,45 +144,6 @@ def _plan(path: Path, mapping: ImportMapping) -> ImportPlan:
         return plan_import(_table(path, mapping.group), mapping)
     except RecordingError:
         return plan_import(_table(path, chosen["group"]), mapping, int(chosen["test"]))
-
-
-def _first_problem(plan: ImportPlan, tally: CheckedBlocks) -> RecordingError | None:
-    """Read a table to its end and return why it cannot be used, or None."""
-    try:
-        for _ in checked_blocks(plan, tally):
-            pass
-        _refuse_unusable(plan, tally)
-    except RecordingError as problem:
-        return problem
-    return None
-
-
-def _refuse_unusable(plan: ImportPlan, tally: CheckedBlocks) -> None:
-    none = next((name for name in ("shunt_voltage_v", "wire_current_a") if tally.ranges.get(name) == (0.0, 0.0)), None)
-    if none is not None:
-        raise RecordingError(f"{plan.table.path}: {none} is 0 in every row: no current was measured, record it again")
-    judged = tally.readings.judged(plan.metadata)
-    if judged is not None and judged.contradiction:
-        raise RecordingError(f"{plan.table.path}: {judged.contradiction}")
-
-
-def _write(plan: ImportPlan, tally: CheckedBlocks, output: Path, matlab_version: str | None) -> None:
-    if plan.problem:
-        raise CurableError(plan.problem, plan.cure)
-    blocks = checked_blocks(plan, tally)
-    # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come first.
-    buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
-    judged = tally.readings.judged(plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
-    found = "; ".join(judged.findings) if judged is not None else ""
-    noted = {**tally.noted, **({"unusable_readings": found} if found else {})}
-    metadata = checked_metadata({**tally.started, **plan.metadata, **noted})
-
-    def rows() -> Iterator[tuple[FloatArray, ...]]:
-        for block in itertools.chain(buffered, blocks):
-            yield tuple(block[name] for name in plan.names)
-        _refuse_unusable(plan, tally)
-
-    write_blocks(plan.names, rows(), metadata, output, matlab_version)
 
 
 def _table(path: Path, group: str | None) -> SourceTable:

@@ -37,9 +37,9 @@ class FileWriter(NamedTuple):
     fill_blocks: Callable[[Sequence[str], Blocks, Metadata, Path], None] | None = None
 
 
-def require_format(path: Path) -> None:
+def require_format(path: Path, matlab_version: str | None = None) -> None:
     """Raise CallerError for a name under which no recording is written, MissingExtraError if an extra is missing."""
-    _format_of(path, None)
+    _format_of(path, matlab_version)
 
 
 def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_version: str | None = None) -> None:
@@ -67,11 +67,6 @@ def write_blocks(
         return
     collected = [np.concatenate(parts) for parts in zip(*blocks, strict=True)]
     write_columns(dict(zip(names, collected, strict=True)), metadata, path, matlab_version)
-
-
-def require_streamable(path: Path, matlab_version: str | None = None) -> None:
-    """Raise CallerError unless a recording can be written in the format of a path's suffix."""
-    _format_of(path, matlab_version)
 
 
 def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, Path], None] | None:

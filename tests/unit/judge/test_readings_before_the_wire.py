@@ -14,9 +14,9 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
-from musclewire.judge import JudgedRecording, resistance_reading
+from musclewire.judge import JudgedRecording, judge_readings, resistance_reading
 from musclewire.rigs import open_rig
-from musclewire.signals import Recording, judge_readings
+from musclewire.signals import Recording
 
 SHUNT_OHM = 1.0
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._reading import read_recording, understand
+from musclewire.identify import import_recording
+from musclewire.signals._reading import read_recording
 from musclewire.signals._recording import Recording
 
 FOREIGN = "Time [ms],V_SMA [mV],V_R [V],pos,T (°C),Humidity\n0,1000,0.5,1,25,40\n50,1100,0.6,2,26,41\n"
@@ -41,7 +42,7 @@ def test_a_foreign_file_becomes_a_recording_in_si(foreign):
 
 
 def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
-    found = understand(foreign, columns={"displacement_m": "pos:mm"})
+    found = import_recording(foreign, columns={"displacement_m": "pos:mm"})
     assert [(item.header, item.column, item.unit, item.factor, item.offset, item.how) for item in found.taken] == [
         ("Time [ms]", "time_s", "ms", 0.001, 0.0, "synonym"),
         ("V_SMA [mV]", "wire_voltage_v", "mV", 0.001, 0.0, "synonym"),
@@ -61,11 +62,11 @@ def test_understanding_tells_header_by_header_what_was_made_of_it(foreign):
 def test_understanding_judges_the_numbers_as_reading_does(tmp_path, rows):
     path = tmp_path / "loop.csv"
     path.write_text("time_s,force_n\n" + rows)
-    assert understand(path).problem == refusal(path)
+    assert import_recording(path).problem == refusal(path)
 
 
 def test_understanding_shows_what_reading_refuses_in_a_header(foreign):
-    found = understand(foreign)
+    found = import_recording(foreign)
     assert found.problem == refusal(foreign)
     assert "column 'pos' has no unit: write 'pos [m]'" in found.problem
     assert "'pos' undecided: column 'pos' has no unit" in str(found)

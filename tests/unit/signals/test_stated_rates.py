@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.signals import ImportMapping, import_recording, judge_readings, read_recording
+from musclewire.identify import import_recording
+from musclewire.judge import judge_readings
+from musclewire.signals import ImportMapping, read_recording
 from musclewire.signals._source_table import differing_periods, doubted_clock, stated_periods_s
 
 TIMES_S = 0.05 * np.arange(200)

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
+from musclewire.identify import import_recording
 from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._reading import import_recording, read_recording
+from musclewire.signals._reading import read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 

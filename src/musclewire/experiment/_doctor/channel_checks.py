@@ -8,7 +8,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.experiment._doctor.evidence import NO_CURRENT, Channel, Examined, Outcome, noise_v
-from musclewire.signals import judge_readings
+from musclewire.judge import judge_readings
 
 # An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01

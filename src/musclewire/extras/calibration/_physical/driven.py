@@ -23,9 +23,9 @@ from musclewire.extras.calibration._physical.observations import (
     instruments_of,
     require_rows,
 )
-from musclewire.judge import resistance_reading
+from musclewire.judge import judge_readings, resistance_reading
 from musclewire.sensing import noise_level, readings_first
-from musclewire.signals import Recording, judge_readings
+from musclewire.signals import Recording
 from musclewire.wire import ConnectorLoad, DrivenPath
 
 # In a recording of a drive the model's error has about this many independent values.

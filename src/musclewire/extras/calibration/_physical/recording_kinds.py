@@ -19,8 +19,9 @@ from musclewire.extras.calibration._physical.isobaric import (
 )
 from musclewire.extras.calibration._physical.observations import Observation
 from musclewire.identify import IsobaricLoop
+from musclewire.judge import judge_readings
 from musclewire.parameters import Alloy, Bench, Parameter, PriorSet, Wire, load_alloy, load_bench, load_wire
-from musclewire.signals import ISOBAR_TABLE, Recording, judge_readings
+from musclewire.signals import ISOBAR_TABLE, Recording
 
 ELECTRICAL = ("drive_voltage_v", "wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 # Parameters on which a kind of observation does not depend, by parts of their names.

@@ -7,7 +7,8 @@ import pyarrow.parquet
 import pytest
 
 from musclewire.errors import MissingExtraError, RecordingError
-from musclewire.signals import Recording, read_recording, understand
+from musclewire.identify import import_recording
+from musclewire.signals import Recording, read_recording
 
 
 def write(path, columns, metadata=None):
@@ -32,7 +33,7 @@ def test_foreign_parquet_is_understood_by_its_column_names(tmp_path):
     assert recording["time_s"].tolist() == pytest.approx([0.0, 0.05])
     assert recording["displacement_m"].tolist() == pytest.approx([0.001, 0.002])
     assert recording["valid"].tolist() == [1.0, 0.0]
-    assert [item.header for item in understand(path, {"displacement_m": "pos:mm"}).ignored] == ["note"]
+    assert [item.header for item in import_recording(path, columns={"displacement_m": "pos:mm"}).ignored] == ["note"]
 
 
 def test_our_parquet_says_its_units_to_whoever_reads_it(tmp_path):

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
-from musclewire.signals._columns import COLUMNS
-from musclewire.signals._lone_readings import MEASURED, MOTION, OFF_FRACTION, PASSED, lone_readings
-from musclewire.signals._metadata import MetadataValue
+from musclewire.judge._lone_readings import MEASURED, MOTION, OFF_FRACTION, PASSED, lone_readings
+from musclewire.signals import COLUMNS, NOTED_BY_IMPORT, MetadataValue, is_overload
 
 Rows = NDArray[np.bool_]
 Columns = Mapping[str, FloatArray]
@@ -25,14 +24,6 @@ Metadata = Mapping[str, MetadataValue]
 
 # What an import says of a file with too many rows for it.
 TOO_MANY = "more than {rows} rows: the command that uses the recording judges whether its readings are measurements"
-# The metadata in which an import says which rows it left out.
-LEFT_OUT = "rows_left_out"
-# And where its times are not as far apart as the file states.
-CLOCK_DOUBTED = "clock_doubted"
-# And where a voltage or current was negative throughout, as by a shunt whose leads are exchanged.
-SIGN_TURNED = "sign_turned"
-# Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
-OVERLOAD_FROM = 1e30
 # A plateau is at least so many equal rows.
 PLATEAU_ROWS = 5
 # It counts if the column moved by so many of its own steps within as many rows before it. The top of a smooth curve of
@@ -56,7 +47,6 @@ PARTNERS = {
     "wire_current_a": ("wire_voltage_v",),
     "wire_resistance_ohm": ("drive_voltage_v", "wire_voltage_v", *_ELECTRICAL, "displacement_m", "reference_strain"),
 }
-SAID = (LEFT_OUT, CLOCK_DOUBTED, SIGN_TURNED)
 KEPT = ("time_s", *MEASURED, *MOTION, "drive_voltage_v")
 # More lone readings than this part of a column are no accidents: which of its readings are right is not known.
 MANY_ALONE = 0.1
@@ -170,7 +160,7 @@ def judge_readings(
     good = {name: values[~bad] for name, values in mended.items()}
     for said in () if contradiction or bad.all() else contradictions(good, metadata):
         contradiction = contradiction or f"two columns contradict each other: {said}"
-    notes = [str(metadata[said]) for said in SAID if said in metadata]
+    notes = [str(metadata[said]) for said in NOTED_BY_IMPORT if said in metadata]
     notes += [] if bad.all() else drive_doubts(mended, ~bad)
     return JudgedReadings(~bad, tuple(found), contradiction, tuple(notes))
 
@@ -190,12 +180,6 @@ def overload_marks(columns: Columns, _: Metadata) -> Iterator[UnusableRows]:
             yield UnusableRows(
                 name, rows, f"{name} holds {columns[name][np.argmax(rows)]:.3g}, an instrument's mark of an overload"
             )
-
-
-def is_overload(values: FloatArray) -> Rows:
-    """Return which numbers are overload marks, (n_times,)."""
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.abs(values) >= OVERLOAD_FROM)
 
 
 def lone(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
@@ -222,19 +206,6 @@ def other_sign(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
             at, by = between(columns[name][rows], name), _shown(float(np.median(jumps)), name)
             why = f"{name} has the other sign there, {at}, where wire_voltage_v goes on, with jumps by {by}: a number "
             yield UnusableRows(name, rows, f"{why}that wrapped at an end of its range; {_LARGER}")
-
-
-def turned_columns(columns: Columns) -> tuple[str, ...]:
-    """Return which of voltage and current are negative throughout where the other is positive."""
-    found = []
-    for name in _ELECTRICAL:
-        if {"wire_voltage_v", name} <= columns.keys():
-            pair = {one: columns[one] for one in (name, "wire_voltage_v")}
-            there = [np.abs(values) > NOT_COUNTED * np.quantile(np.abs(values), 0.9) for values in pair.values()]
-            signs = np.sign([values[there[0] & there[1]] for values in pair.values()])
-            if signs.shape[1] > PLATEAU_ROWS and np.mean(signs.prod(axis=0) < 0.0) > 1.0 - MANY_ALONE:
-                found += [one for one, sign in zip(pair, signs, strict=True) if np.mean(sign < 0.0) > 1.0 - MANY_ALONE]
-    return tuple(dict.fromkeys(found))
 
 
 def ends_of_range(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:

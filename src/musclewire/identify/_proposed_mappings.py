@@ -9,11 +9,22 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.signals._columns import COLUMNS
-from musclewire.signals._headers import HeaderMatch, IgnoredHeader, UndecidedHeader, name_and_unit, split_header
-from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._source_table import SourceColumn, SourceTable, head_of
-from musclewire.signals._units import measures, scale_between
+from musclewire.signals import (
+    COLUMNS,
+    HeaderMatch,
+    IgnoredHeader,
+    ImportMapping,
+    ImportPlan,
+    SourceColumn,
+    SourceTable,
+    UndecidedHeader,
+    head_of,
+    measures,
+    name_and_unit,
+    needs_no_clock,
+    scale_between,
+    split_header,
+)
 
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 OFFERED = (
@@ -34,6 +45,27 @@ _WORDS = (
 # What a wire that is heated can have: its resistance, and the largest power that goes into it.
 _WIRE_OHM, _POWER_W = (0.1, 500.0), (5e-3, 500.0)
 _UNITS_OF = {"wire_voltage_v": ("V", "mV"), "wire_current_a": ("A", "mA"), "wire_resistance_ohm": ("ohm",)}
+
+
+def cure_of(plan: ImportPlan) -> ImportMapping | None:
+    """Return what to add to the mapping against the plan's problem, None if nothing is known."""
+    match, table = plan.match, plan.table
+    offered = columns_offered(table, match)
+    for item in match.undecided:
+        twice = next((one for one in match.taken if one.column == item.column), None)
+        if twice is not None:
+            return ImportMapping({item.column: mapped_with_unit(table, twice.header, twice.index, twice.column)})
+        if "or ignore it" in item.message:
+            return None
+        if item.column == "time_s":
+            unit = None if plan.no_clock is None else plan.no_clock.offered
+            return None if unit is None else offered.joined(ImportMapping({"time_s": f"{item.header}:{unit}"}))
+        # What the file does not state a person has to know, unless it can be one thing only.
+        judged = judged_units(table, match)
+        return None if judged is None else offered.joined(judged)
+    found = set(plan.names) | set(offered.columns)
+    has_clock = "time_s" in found or needs_no_clock(found)
+    return offered if found - {"time_s", "cycle"} and has_clock else None
 
 
 def judged_units(table: SourceTable, match: HeaderMatch) -> ImportMapping | None:
@@ -137,16 +169,3 @@ def _offered_for(source: SourceColumn, known: set[str]) -> str | None:
     fitting = [offered for offered in OFFERED if offered != "time_s" and measures(unit, offered)]
     by_word = [called for called, word in _WORDS if called in fitting and word.search(name)]
     return next((one for one in (*by_word, *fitting) if one not in known), None)
-
-
-def repeated_stamps(time_s: FloatArray) -> float | None:
-    """Return the time between rows [s] if stamps stand still for a number of rows that is the same within one."""
-    starts = np.flatnonzero(np.diff(time_s, prepend=time_s[0] - 1.0) != 0.0)
-    sizes, steps = np.diff(starts), np.diff(time_s[starts])
-    if sizes.size < 2 or float(np.median(sizes)) < 2.0 or (steps <= 0.0).any():
-        return None
-    # The first stamp may have begun earlier, and the stamps be rounded.
-    inner, step = sizes[1:] if sizes.size > 2 else sizes, float(np.median(steps))
-    if int(np.ptp(inner)) > 1 or float(np.ptp(steps)) > 0.05 * step:
-        return None
-    return float(f"{steps[-inner.size :].sum() / inner.sum():.6g}")

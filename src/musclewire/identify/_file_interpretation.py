@@ -5,15 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from musclewire.signals._columns import COLUMNS
-from musclewire.signals._headers import IgnoredHeader, MatchedHeader, UndecidedHeader, split_header
-from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._importing import CheckedBlocks, ImportPlan
-from musclewire.signals._metadata import MetadataValue, one_line
-from musclewire.signals._proposing import OFFERED
-from musclewire.signals._run_facts import RunFacts
-from musclewire.signals._source_table import SourceTable, heads_of, rows_in
-from musclewire.signals._units import measures
+from musclewire.identify._proposed_mappings import OFFERED
+from musclewire.signals import (
+    COLUMNS,
+    CheckedBlocks,
+    IgnoredHeader,
+    ImportMapping,
+    ImportPlan,
+    MatchedHeader,
+    MetadataValue,
+    RunFacts,
+    SourceTable,
+    UndecidedHeader,
+    heads_of,
+    measures,
+    one_line,
+    rows_in,
+    split_header,
+)
 
 # Headers that are listed, and rows and cells that are shown, of a file that holds many.
 MAX_LISTED, SHOWN_ROWS, SHOWN_CELLS = 20, 3, 12
@@ -109,14 +118,12 @@ class FileInterpretation:
         return f"; perhaps -c {fitting[0]}='{item.header}'" if fitting and item.reason == "name not known" else ""
 
 
-def understanding_of(
-    plan: ImportPlan, tally: CheckedBlocks, problem: str, proposal: ImportMapping | None = None
+def interpretation_of(
+    plan: ImportPlan, tally: CheckedBlocks, judged: Sequence[str], problem: str, proposal: ImportMapping | None
 ) -> FileInterpretation:
-    """Return the report of a plan whose blocks have been read, to the end or to a problem."""
+    """Return the report of a plan whose blocks have been read and judged, to the end or to a problem."""
     table, match = plan.table, plan.match
     metadata = {**tally.started, **plan.metadata}
-    judged = tally.readings.judged({**plan.metadata, **tally.noted})
-    unusable = judged.findings if judged is not None else ()
     return FileInterpretation(
         table.path,
         table.layout,
@@ -126,7 +133,7 @@ def understanding_of(
         match.undecided,
         metadata,
         tally.ranges,
-        (*plan.notes, *tally.notes, *unusable, *tally.readings.notes, *filter(None, [RunFacts(metadata).cut_off])),
+        (*plan.notes, *tally.notes, *judged, *filter(None, [RunFacts(metadata).cut_off])),
         problem,
         _explicit(plan),
         proposal,
