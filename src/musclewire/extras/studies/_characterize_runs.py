@@ -55,31 +55,16 @@ SERIES = {
 
 
 class CharacterizeOptions(KindOptions):
-    """Keys of ``[run]`` with ``kind = "characterize"``.
+    """Keys of ``[run]`` with ``kind = "characterize"``."""
 
-    Parameters
-    ----------
-    readings
-        "ideal": no noise, no steps of a converter, no protection; much faster. "rig": through the rig's instruments
-        and its protection, as ``musclewire characterize`` runs it.
-    amplitude
-        Amplitude of the slow sine [V]; by default the wire's own.
-    period
-        Period of the slow sine [s].
-    cycles
-        How many; the last is analysed.
-    fit
-        Whether a model is fitted to the loop.
-    order
-        Order of its polynomials, or "auto".
-    """
-
+    # "rig": through the rig's instruments and its protection; "ideal" without them is much faster.
     readings: Readings = "ideal"
+    # Of the slow sine; by default the wire's own.
     amplitude: Annotated[float, measured_in("V"), Field(gt=0.0, allow_inf_nan=False)] | None = None
     period: Annotated[float, measured_in("s"), Field(ge=1.0, le=86400.0)] = 90.0
-    cycles: int = Field(default=2, ge=1)
-    fit: bool = False
-    order: int | Literal["auto"] = 6
+    cycles: int = Field(default=2, ge=1)  # the last is analysed
+    fit: bool = False  # whether a model is fitted to the loop
+    order: int | Literal["auto"] = 6  # of its polynomials
 
 
 def quantities(options: CharacterizeOptions) -> Mapping[str, Quantity]:

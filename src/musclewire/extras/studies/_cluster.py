@@ -1,7 +1,7 @@
 """Evaluation on a Dask cluster. Workers may come, go and be killed; what has arrived is never computed again.
 
 A result that stays on the cluster is computed again when its worker dies. So the client takes each result as soon as it
-is there and releases it, and only a few chunks wait on the cluster at a time. Needs the extra ``sweep``.
+is there and releases it, and only a few chunks wait on the cluster at a time.
 """
 
 from __future__ import annotations
@@ -33,32 +33,11 @@ def evaluate_on_cluster(
     retries: int,
     look: Callable[[], None] = lambda: None,
 ) -> None:
-    """Evaluate chunks on a Dask cluster.
+    """Evaluate chunks on the Dask cluster of a scheduler, as "tcp://host:8786"; ``look`` may raise to stop.
 
-    Parameters
-    ----------
-    task
-        The study.
-    chunks
-        The chunks, in the order in which they are begun.
-    on_result
-        Called with each result, in the order in which they arrive.
-    scheduler
-        Address of the cluster's scheduler, as "tcp://host:8786".
-    retries
-        How often a chunk is begun again that the cluster has given up; it gives up one whose workers have died four
-        times (``distributed.scheduler.allowed-failures``).
-    look
-        Called about twice a second; it may raise to stop.
-
-    Raises
-    ------
-    MissingExtraError
-        If the extra ``sweep`` is not installed.
-    CallerError
-        If there is no scheduler at the address, or a worker has another version of musclewire.
-    NumericsError
-        If a chunk has failed more often than ``retries`` allows, or the scheduler answers no more.
+    A chunk is begun again ``retries`` times if the cluster gives it up: after four deaths of workers
+    (``distributed.scheduler.allowed-failures``). Raises CallerError for an unreachable scheduler or a worker of another
+    version, NumericsError if a chunk has failed more often or the scheduler answers no more.
     """
     client = connected(scheduler)
     try:

@@ -61,43 +61,20 @@ Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=86400.0)]
 
 
 class ControlOptions(KindOptions):
-    """Keys of ``[run]`` with ``kind = "control"``. A run goes through the rig's instruments and its protection.
+    """Keys of ``[run]`` with ``kind = "control"``. A run goes through the rig's instruments and its protection."""
 
-    Parameters
-    ----------
-    model
-        "own": each wire is characterized and its own model fitted. Otherwise a model file (.json), which controls all
-        wires: how much a wire may differ from the one that a model was fitted to.
-    estimator
-        Estimator by name.
-    controller
-        Controller by name; by default that of the model's gains, which "own" finds for each wire.
-    in_python
-        Step the loop in Python, for an estimator or a controller that has no compiled form; the numbers are the same.
-    period
-        Period of the slow sine of "own" [s].
-    cycles
-        Cycles of "own"; the model is fitted to the last.
-    start
-        First and last target of the staircase, a strain.
-    stop
-        Its highest target.
-    step
-        Its step.
-    hold
-        Time for which a target is held [s].
-    """
-
+    # "own": each wire is characterized and its own model fitted. Otherwise a model file (.json), which controls all
+    # wires: how much a wire may differ from the one that a model was fitted to.
     model: str = "own"
     estimator: str = DEFAULT_ESTIMATOR
-    controller: str | None = None
-    in_python: bool = False
-    period: Seconds = 90.0
-    cycles: int = Field(default=2, ge=1)
-    start: Strain = 0.015
-    stop: Strain = 0.03
-    step: Strain = 0.003
-    hold: Seconds = 6.0
+    controller: str | None = None  # by default that of the model's gains, which "own" finds for each wire
+    in_python: bool = False  # for an estimator or a controller that has no compiled form; the numbers are the same
+    period: Seconds = 90.0  # of the slow sine of "own"
+    cycles: int = Field(default=2, ge=1)  # of "own"; the model is fitted to the last
+    start: Strain = 0.015  # first and last target of the staircase
+    stop: Strain = 0.03  # its highest target
+    step: Strain = 0.003  # between targets
+    hold: Seconds = 6.0  # time of each target
 
 
 def quantities(options: ControlOptions) -> Mapping[str, Quantity]:  # noqa: ARG001  the same for all options

@@ -37,27 +37,7 @@ def write_data(
 ) -> None:
     """Write all runs as one Parquet file, whole or not at all: a row for each run, a list in a row for a series.
 
-    Parameters
-    ----------
-    path
-        File to write.
-    plan
-        The study.
-    columns
-        The kept quantities over the runs.
-    errors
-        The message of each run's error, "" for one that went well.
-    texts
-        The kept quantities that are texts.
-    overheated
-        Runs whose wires went beyond their limits: their rows have the temperature, those of others none.
-
-    Raises
-    ------
-    MissingExtraError
-        If the extra ``sweep`` is not installed.
-    CallerError
-        If the folder cannot be written to.
+    Each run has its error, "" for one that went well; ``overheated`` ones have their temperature, others none.
     """
     require_extra("a study's data set", "sweep")
     import pyarrow as pa

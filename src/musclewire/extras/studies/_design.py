@@ -20,24 +20,12 @@ MAX_RUNS = 10_000_000
 
 @dataclass(frozen=True, eq=False)
 class StudyDesign:
-    """The values of all runs: every point of the grid with every sample, the samples of a point next to each other.
+    """The values of all runs: every point of the grid with every sample, the samples of a point next to each other."""
 
-    Parameters
-    ----------
-    axes
-        Parameters of the grid; the last one changes fastest.
-    sampled
-        Names and units of the sampled parameters.
-    samples
-        Values of the sampled parameters, (n_samples, n_sampled), in SI.
-    method
-        How they were sampled; "" without any.
-    """
-
-    axes: tuple[GridAxis, ...]
-    sampled: tuple[tuple[str, str], ...]
-    samples: FloatArray
-    method: str
+    axes: tuple[GridAxis, ...]  # the last one changes fastest
+    sampled: tuple[tuple[str, str], ...]  # names and units
+    samples: FloatArray  # (n_samples, n_sampled), in SI
+    method: str  # "" without any samples
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -59,19 +47,7 @@ class StudyDesign:
         return self.points * len(self.samples)
 
     def rows(self, first: int, stop: int) -> list[tuple[Value, ...]]:
-        """Return the values of some runs, in the order of ``names``.
-
-        Parameters
-        ----------
-        first
-            The first run.
-        stop
-            The run after the last one.
-
-        Returns
-        -------
-        A row for each run.
-        """
+        """Return the values of the runs from ``first`` to before ``stop``, in the order of ``names``."""
         return [self._row(run) for run in range(first, stop)]
 
     def _row(self, run: int) -> tuple[Value, ...]:
@@ -83,17 +59,7 @@ class StudyDesign:
         return (*reversed(values), *self.samples[sample].tolist())
 
     def column(self, name: str) -> np.ndarray[Any, Any]:
-        """Return the values of one parameter over all runs, (n_runs,).
-
-        Parameters
-        ----------
-        name
-            One of ``names``.
-
-        Returns
-        -------
-        Numbers in SI, or texts.
-        """
+        """Return the values of one parameter over all runs, (n_runs,): numbers in SI, or texts."""
         place = self.names.index(name)
         if place >= len(self.axes):
             return np.tile(self.samples[:, place - len(self.axes)], self.points)
@@ -103,29 +69,7 @@ class StudyDesign:
 
 
 def design_of(parameters: Sequence[GridAxis | SampledParameter], method: str, samples: int, seed: int) -> StudyDesign:
-    """Return the runs of a study.
-
-    Parameters
-    ----------
-    parameters
-        What varies.
-    method
-        How the distributions are sampled, one of ``METHODS``.
-    samples
-        Number of samples at each point of the grid; "saltelli" makes as many times the number of sampled parameters
-        plus two.
-    seed
-        Seed of the sampling.
-
-    Returns
-    -------
-    The runs.
-
-    Raises
-    ------
-    CallerError
-        For a number of samples that the method does not take, and for more runs than anybody evaluates.
-    """
+    """Return the runs of a study; "saltelli" makes ``samples`` times two plus the sampled parameters."""
     axes = tuple(item for item in parameters if isinstance(item, GridAxis))
     drawn = [item for item in parameters if isinstance(item, SampledParameter)]
     cube = unit_cube(method, len(drawn), samples, seed) if drawn else np.empty((samples, 0))

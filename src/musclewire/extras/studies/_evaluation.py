@@ -29,36 +29,16 @@ from musclewire.rigs import RigConfiguration
 
 @dataclass(frozen=True)
 class StudyTask:
-    """All that a worker must know of a study besides the values of its runs; it can be pickled.
-
-    Parameters
-    ----------
-    kind
-        The kind of run.
-    configuration
-        The rig file.
-    where
-        Name of the study in messages.
-    names
-        Names of the parameters, in the order of the values.
-    options
-        What is run, before any of it varies.
-    keep
-        The quantities that are kept, by name.
-    seed
-        Seed of the study.
-    engine
-        What must compute the numbers, as ``plan.engine`` returns it.
-    """
+    """All that a worker must know of a study besides the values of its runs; it can be pickled."""
 
     kind: RunKind[Any]
     configuration: RigConfiguration
-    where: str
-    names: tuple[str, ...]
-    options: KindOptions
-    keep: Mapping[str, Quantity]
+    where: str  # name of the study in messages
+    names: tuple[str, ...]  # of the parameters, in the order of the values
+    options: KindOptions  # before any of them varies
+    keep: Mapping[str, Quantity]  # quantities that are kept
     seed: int
-    engine: str
+    engine: str  # what must compute the numbers, as ``plan.engine`` returns it
 
 
 class Chunk(NamedTuple):
@@ -74,26 +54,13 @@ class Chunk(NamedTuple):
 
 
 class ChunkResult(NamedTuple):
-    """What a chunk's runs yielded.
+    """What a chunk's runs yielded."""
 
-    Parameters
-    ----------
-    first
-        Number of the first run.
-    columns
-        Each kept quantity, (n_runs,), or (n_runs, n_samples) for a series; NaN for runs that failed.
-    errors
-        The message of each run's error, "" for a run that went well.
-    texts
-        Each kept quantity that is a text.
-    overheated
-        Runs whose wires went beyond the highest temperature that their protection allows.
-    """
-
-    first: int
+    first: int  # number of the first run
+    # Kept quantities, (n_runs,), or (n_runs, n_samples) for a series; NaN for runs that failed.
     columns: Mapping[str, FloatArray]
-    errors: tuple[str, ...]
-    texts: Mapping[str, tuple[str, ...]]
+    errors: tuple[str, ...]  # "" for a run that went well
+    texts: Mapping[str, tuple[str, ...]]  # kept quantities that are texts
     overheated: tuple[Overheated, ...] = ()
 
     @property
@@ -119,21 +86,8 @@ def task_of(plan: Plan) -> StudyTask:
 def evaluate_chunk(task: StudyTask, chunk: Chunk) -> ChunkResult:
     """Return the kept quantities of some runs. They depend on nothing else: not on other runs, cores or workers.
 
-    Parameters
-    ----------
-    task
-        The study.
-    chunk
-        The runs.
-
-    Returns
-    -------
-    A column for each quantity. A run that fails has NaN there, and its error in words.
-
-    Raises
-    ------
-    CallerError
-        If this process has another version of musclewire than the one that asks: its numbers may differ.
+    A run that fails has NaN, and its error in words. Raises CallerError in a process of another version than the asking
+    one.
     """
     if task.engine != engine():
         raise CallerError(f"this worker has {engine()}, the study is run by {task.engine}: install the same everywhere")

@@ -28,22 +28,7 @@ ERRORS, OF_QUANTITY, OF_TEXT, TOO_HOT = "errors", "quantity ", "text ", "overhea
 
 
 class StudyFolder:
-    """The folder in which a study keeps what is finished.
-
-    Parameters
-    ----------
-    path
-        The folder; it is made if it is missing.
-    plan
-        The study.
-    overwrite
-        Whether the results of another study in this folder are deleted.
-
-    Raises
-    ------
-    CallerError
-        If the folder belongs to another study, or to the same one with other content, or cannot be written.
-    """
+    """The folder of what a study has finished; CallerError for that of another study or other content."""
 
     def __init__(self, path: Path, plan: Plan, overwrite: bool = False) -> None:
         """Continue in the folder where the same study was stopped."""
@@ -175,15 +160,7 @@ def overheated_in(rows: Iterable[Any]) -> tuple[Overheated, ...]:
 
 
 class Chunks(Sequence[Chunk]):
-    """Chunks of a study, each made when it is asked for: the values of ten million runs need not be there together.
-
-    Parameters
-    ----------
-    design
-        All runs.
-    ranges
-        The runs of each chunk: the first, and the one after the last.
-    """
+    """Chunks of a study, each made when it is asked for: the values of ten million runs need not be there together."""
 
     def __init__(self, design: StudyDesign, ranges: Sequence[tuple[int, int]]) -> None:
         """Take the ranges."""
@@ -206,21 +183,7 @@ class Chunks(Sequence[Chunk]):
 
 
 def unfinished(plan: Plan, finished: Iterable[tuple[int, int]], runs_per_chunk: int) -> Chunks:
-    """Return the runs that are still to do, in chunks.
-
-    Parameters
-    ----------
-    plan
-        The study.
-    finished
-        Ranges of runs that are finished, ascending: the first, and the one after the last.
-    runs_per_chunk
-        Most runs of a chunk. What is finished may have been cut otherwise.
-
-    Returns
-    -------
-    The chunks, ascending.
-    """
+    """Return the runs still to do in ascending chunks; what is finished may have been cut otherwise."""
     ranges, done = [], 0
     for first, stop in [*finished, (len(plan.design), len(plan.design))]:
         ranges += [(begin, min(begin + runs_per_chunk, first)) for begin in range(done, first, runs_per_chunk)]

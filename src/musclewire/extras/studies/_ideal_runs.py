@@ -20,41 +20,14 @@ Readings = Literal["ideal", "rig"]
 
 
 class IdealRun(NamedTuple):
-    """A run with ideal readings.
-
-    Parameters
-    ----------
-    recording
-        What ideal instruments read.
-    temperature_k
-        The wire's temperature at the end of each sample [K], (n_samples,).
-    """
+    """A run with ideal readings."""
 
     recording: Recording
-    temperature_k: FloatArray
+    temperature_k: FloatArray  # at the end of each sample, (n_samples,)
 
 
 def ideal_run(wire: VariedWire, drive_v: FloatArray) -> IdealRun:
-    """Return a run with ideal readings.
-
-    Parameters
-    ----------
-    wire
-        The wire.
-    drive_v
-        Its drive voltages [V], one for each sample.
-
-    Returns
-    -------
-    The recording, and the wire's temperature.
-
-    Raises
-    ------
-    CallerError
-        For a drive above the wire's maximum, and for steps that do not divide a sample.
-    NumericsError
-        If the simulation does not resolve what the wire does.
-    """
+    """Return a run of one drive voltage for each sample, with ideal readings; CallerError above the wire's maximum."""
     held_v, path = wire.driven(drive_v)
     columns = {
         "time_s": sample_times_s(held_v.size, wire.spool.bench["sample_period_s"]),

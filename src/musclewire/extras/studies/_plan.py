@@ -83,27 +83,7 @@ def engine() -> str:
 
 
 def plan_of(file: StudyFile, where: str, folder: Path) -> Plan:
-    """Return a study ready to run.
-
-    Parameters
-    ----------
-    file
-        The study's file.
-    where
-        Its name in messages.
-    folder
-        Folder in which the files that it names are found.
-
-    Returns
-    -------
-    The plan with all runs.
-
-    Raises
-    ------
-    CallerError
-        For an unknown rig, kind, parameter, key or quantity, suggesting the nearest; for a rig that is not simulated;
-        for a parameter that is given twice.
-    """
+    """Return a study ready to run; the files that it names are in ``folder``, and messages begin with ``where``."""
     configuration = rig_of(file, where, folder)
     kind = kind_of(file, where, folder)
     given = {key: value for key, value in file.run.items() if key not in ("kind", "keep")}

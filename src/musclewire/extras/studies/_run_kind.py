@@ -56,21 +56,11 @@ OVERHEATED = "overheated"
 
 
 class Overheated(NamedTuple):
-    """A run whose wire went beyond the highest temperature that its protection allows.
-
-    Parameters
-    ----------
-    run
-        Number of the run.
-    temperature_max_k
-        Highest temperature [K]: the true one, or the protection's estimate if it ended the run.
-    limit_k
-        Highest temperature allowed [K].
-    """
+    """A run whose wire went beyond the highest temperature that its protection allows."""
 
     run: int
-    temperature_max_k: float
-    limit_k: float
+    temperature_max_k: float  # the true one, or the protection's estimate if it ended the run
+    limit_k: float  # highest temperature allowed
 
 
 class OverheatedRunError(RigError):
@@ -96,24 +86,12 @@ def noted_overheating(rig: GuardedRig) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class StudyRun(Generic[Options]):
-    """One run of a study.
+    """One run of a study."""
 
-    Parameters
-    ----------
-    number
-        Which run of the study, from 0.
-    values
-        The values of the rig's parameters by name, numbers in SI.
-    options
-        What is run, with the values of the parameters ``run.KEY``.
-    seed
-        Seed of the study.
-    """
-
-    number: int
-    values: Mapping[str, Value]
-    options: Options
-    seed: int
+    number: int  # from 0
+    values: Mapping[str, Value]  # the rig's parameters, in SI
+    options: Options  # with the values of the parameters ``run.KEY``
+    seed: int  # of the study
 
     @property
     def own_seed(self) -> int:
@@ -123,34 +101,14 @@ class StudyRun(Generic[Options]):
 
 @dataclass(frozen=True)
 class StudyRuns(Generic[Options]):
-    """Some runs of a study that are evaluated together.
+    """Some runs of a study that are evaluated together."""
 
-    Parameters
-    ----------
-    rig
-        The rig whose numbers and keys vary.
-    runs
-        The runs.
-    keep
-        Names of the quantities to return.
-    """
-
-    rig: VariedRig
+    rig: VariedRig  # whose numbers and keys vary
     runs: Sequence[StudyRun[Options]]
-    keep: frozenset[str]
+    keep: frozenset[str]  # names of the quantities to return
 
     def open(self, run: StudyRun[Options]) -> GuardedRig:
-        """Return the open rig of a run, with instruments and protection.
-
-        Parameters
-        ----------
-        run
-            One of the runs.
-
-        Returns
-        -------
-        The rig; its noise has the seed of the run.
-        """
+        """Return the open rig of a run, with instruments and protection; its noise has the seed of the run."""
         return self.rig.open(run.values, run.own_seed)
 
     def wire(self, run: StudyRun[Options]) -> VariedWire:
@@ -158,19 +116,7 @@ class StudyRuns(Generic[Options]):
         return self.rig.wire(run.values)
 
     def overheating(self, wire: VariedWire, hottest_k: float) -> dict[str, tuple[float, float]]:
-        """Return what an outcome says of a wire that went beyond its protection's limit; nothing of any other.
-
-        Parameters
-        ----------
-        wire
-            The wire of a run.
-        hottest_k
-            Its highest temperature [K].
-
-        Returns
-        -------
-        The pair of temperature and limit [K] by its key, or nothing.
-        """
+        """Return temperature and limit [K] by their key if a wire went beyond its protection's limit, else nothing."""
         limit_k = self.rig.maximum_temperature_k(wire)
         return {OVERHEATED: (hottest_k, limit_k)} if hottest_k > limit_k else {}
 

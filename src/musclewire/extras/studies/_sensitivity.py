@@ -33,60 +33,24 @@ GRID = "variance of means"
 
 
 class Sensitivity(NamedTuple):
-    """How much a quantity depends on a parameter; None for an index that the study's runs do not give.
-
-    Parameters
-    ----------
-    quantity
-        The quantity.
-    parameter
-        The parameter.
-    method
-        How the indices were computed.
-    first
-        First Sobol index: the fraction of the quantity's variance that the parameter explains by itself.
-    first_error
-        Half width of its 95 % interval; 0 where it is exact.
-    total
-        Total Sobol index: the same with all interactions.
-    total_error
-        Half width of its 95 % interval.
-    pawn
-        PAWN's index, median over slices: the largest distance between distribution functions, with the parameter known
-        and unknown; 0 if the parameter has no effect.
-    """
+    """How much a quantity depends on a parameter; None for an index that the study's runs do not give."""
 
     quantity: str
     parameter: str
     method: str
-    first: float | None = None
-    first_error: float | None = None
-    total: float | None = None
-    total_error: float | None = None
+    first: float | None = None  # first Sobol index: the fraction of the variance that the parameter explains by itself
+    first_error: float | None = None  # half width of its 95 % interval; 0 where it is exact
+    total: float | None = None  # total Sobol index: the same with all interactions
+    total_error: float | None = None  # half width of its 95 % interval
+    # Median over slices of the largest distance between distribution functions, with the parameter known and unknown; 0
+    # if the parameter has no effect.
     pawn: float | None = None
 
 
 def sensitivity_of(design: StudyDesign, columns: Mapping[str, FloatArray], seed: int) -> list[Sensitivity]:
-    """Return the indices of every quantity that is a number and varies.
+    """Return the indices of every quantity that is a number and varies, with intervals by resampling.
 
-    Parameters
-    ----------
-    design
-        The runs.
-    columns
-        Quantities over the runs; series are left out.
-    seed
-        Seed of the resampling behind the intervals.
-
-    Returns
-    -------
-    A row for each quantity and parameter. None for quantities of which runs failed in a design that needs all of them,
-    and for fewer runs than 64.
-
-    Raises
-    ------
-    MissingExtraError
-        If the extra ``sweep`` is not installed.
+    None for quantities of which runs failed in a design that needs all of them, and for fewer runs than 64.
 
     References
     ----------

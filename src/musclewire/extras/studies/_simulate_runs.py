@@ -53,25 +53,13 @@ Seconds = Annotated[float, measured_in("s"), Field(gt=0.0, le=86400.0)]
 
 
 class SimulateOptions(KindOptions):
-    """Keys of ``[run]`` with ``kind = "simulate"``.
+    """Keys of ``[run]`` with ``kind = "simulate"``."""
 
-    Parameters
-    ----------
-    readings
-        "ideal": no noise, no steps of a converter, no protection; much faster. "rig": through the rig's instruments and
-        its protection.
-    supply
-        Supply voltage [V], not above the wire's maximum.
-    off_after
-        Time until switching off [s]. The first sample is taken before switching on.
-    duration
-        Duration of the whole run [s].
-    """
-
+    # "rig": through the rig's instruments and its protection; "ideal" without them is much faster.
     readings: Readings = "ideal"
-    supply: Volts
-    off_after: Seconds = 1.0
-    duration: Seconds = 10.0
+    supply: Volts  # not above the wire's maximum
+    off_after: Seconds = 1.0  # until switching off; the first sample is taken before switching on
+    duration: Seconds = 10.0  # of the whole run
 
 
 def quantities(options: SimulateOptions) -> Mapping[str, Quantity]:  # noqa: ARG001  the same for all options

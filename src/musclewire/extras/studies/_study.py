@@ -32,24 +32,13 @@ RETRIES = 5
 
 @dataclass(frozen=True)
 class Workers:
-    """Where and how a study is evaluated; its numbers do not depend on it.
+    """Where and how a study is evaluated; its numbers do not depend on it."""
 
-    Parameters
-    ----------
-    scheduler
-        Address of a Dask cluster's scheduler, as "tcp://host:8786"; None for the cores of this machine.
-    processes
-        Processes on this machine; None for one on each core. With 1 everything runs in the calling process.
-    runs_per_chunk
-        How many runs are evaluated together and written as one file; None for what suits the kind of run.
-    retries
-        How often a chunk is begun again whose worker has died.
-    """
-
+    # Address of a Dask cluster's scheduler, as "tcp://host:8786"; None for the cores of this machine.
     scheduler: str | None = None
-    processes: int | None = None
-    runs_per_chunk: int | None = None
-    retries: int = RETRIES
+    processes: int | None = None  # None for one on each core; 1 is the calling process
+    runs_per_chunk: int | None = None  # evaluated together and written as one file; None for what suits the kind of run
+    retries: int = RETRIES  # how often a chunk is begun again whose worker has died
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,17 +78,7 @@ class StudyResult:
         return len(self.errors)
 
     def parameter(self, name: str) -> np.ndarray[Any, Any]:
-        """Return the values of a parameter over the runs, (n_runs,).
-
-        Parameters
-        ----------
-        name
-            Its name in the study.
-
-        Returns
-        -------
-        Numbers in SI, or names.
-        """
+        """Return the values of a parameter over the runs, (n_runs,): numbers in SI, or names."""
         return self.plan.design.column(name)
 
     def dataset(self) -> xr.Dataset:

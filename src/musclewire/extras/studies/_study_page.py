@@ -112,24 +112,7 @@ def draw_distributions(axes: Sequence[Any], result: StudyResult, names: Sequence
 
 
 def distributions(result: StudyResult, *, style: str = "screen") -> Figure:
-    """Draw how often each value of each kept quantity occurs in a study, with the median.
-
-    Parameters
-    ----------
-    result
-        What ``sweep`` returned.
-    style
-        Size and fonts of the figure, as in ``Recording.plot``.
-
-    Returns
-    -------
-    A matplotlib figure, a panel for each quantity with a number for each run.
-
-    Raises
-    ------
-    CallerError
-        If no run gave a number, or for an unknown style.
-    """
+    """Draw how often each value of each kept quantity occurs, with the median; CallerError if no run gave a number."""
     names = numbers_of(result)
     if not names:
         raise CallerError(f"there is nothing to plot: none of {len(result)} runs gave a number, look at its errors")

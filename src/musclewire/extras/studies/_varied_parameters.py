@@ -72,25 +72,10 @@ USUAL: Mapping[str, DistributionFamily] = {
 
 
 def quantile_function(where: str, spacing: str, given: Mapping[str, Any]) -> Callable[[FloatArray], FloatArray]:
-    """Return the quantile function of a distribution.
+    """Return the quantile function of a distribution; messages begin with ``where``, as "parameters.pretension_n".
 
-    Parameters
-    ----------
-    where
-        Beginning of messages, as "parameters.pretension_n".
-    spacing
-        "linear" or "log": which distribution low and high alone mean, uniform or log-uniform.
-    given
-        The keys of the parameter's table, numbers in SI.
-
-    Returns
-    -------
-    A function from cumulative probabilities to values, both (n,).
-
-    Raises
-    ------
-    CallerError
-        For an unknown distribution, for keys that it lacks or does not know, and for numbers that make none.
+    ``given`` are the keys of the parameter's table, in SI; ``spacing`` says what low and high alone mean, a uniform or
+    a log-uniform one.
     """
     name = given.get("distribution", "log-uniform" if spacing == "log" else "uniform")
     numbers = {key: value for key, value in given.items() if key != "distribution"}
@@ -226,26 +211,7 @@ class SampledParameter(NamedTuple):
 
 
 def resolved(name: str, unit: str, table: ParameterTable) -> GridAxis | SampledParameter:
-    """Return a parameter of a study.
-
-    Parameters
-    ----------
-    name
-        Its name.
-    unit
-        Its SI unit; "" if it has none, as a name.
-    table
-        Its table in the study's file.
-
-    Returns
-    -------
-    An axis of the grid, or a distribution.
-
-    Raises
-    ------
-    CallerError
-        For keys that do not belong together, and for numbers in another unit.
-    """
+    """Return a parameter, a grid axis or a distribution, from its table; its unit is "" for a name."""
     where = f"parameters.{name}"
     given = {key: value for key, value in table if value not in (None, {}) and key != "spacing"}
     if table.values is not None:

@@ -42,62 +42,30 @@ REMEMBERED = 32
 
 
 class VariedKey(NamedTuple):
-    """What may vary: a number of wire, alloy or bench, or a key of the rig file.
+    """What may vary: a number of wire, alloy or bench, or a key of the rig file."""
 
-    Parameters
-    ----------
-    unit
-        SI unit, "1" for a fraction; "" for a key without a unit.
-    group
-        "wire", "alloy" or "bench"; "" for a key of the rig file.
-    place
-        Name of the number, or the tables and the key in the rig file; a part of the load by its position.
-    """
-
-    unit: str
-    group: str
+    unit: str  # "1" for a fraction; "" for a key without a unit
+    group: str  # "wire", "alloy" or "bench"; "" for a key of the rig file
+    # Name of the number, or tables and key in the rig file; a part of the load by its position.
     place: tuple[str | int, ...]
 
 
 class VariedWire(NamedTuple):
-    """A wire of a varied rig without its instruments: what studies of thousands of wires evaluate.
-
-    Parameters
-    ----------
-    spool
-        The wire with its alloy and bench.
-    constants
-        Its constants, load included.
-    tendon
-        The finger at the connector; None without one.
-    """
+    """A wire of a varied rig without its instruments: what studies of thousands of wires evaluate."""
 
     spool: SimulatedSpool
-    constants: WireConstants
-    tendon: FingerTendon | None
+    constants: WireConstants  # load included
+    tendon: FingerTendon | None  # the finger at the connector
 
     def facts(self) -> Metadata:
         """Return the metadata of a recording that describe wire and circuit, as its rig states them."""
         return {"rig": "simulated", **self.spool.facts(), "pretension_n": self.constants.pretension_n}
 
     def driven(self, drive_v: FloatArray) -> tuple[FloatArray, DrivenPath]:
-        """Return a drive as the bench puts it out, and the response of the wire to it; cold at the start.
+        """Return voltages in the amplifier's steps, and the response, from cold, of a wire, for each sample.
 
-        Parameters
-        ----------
-        drive_v
-            Drive voltages [V], one for each sample of its bench, which are held during it.
-
-        Returns
-        -------
-        The voltages [V] in the steps of the bench's amplifier, (n_samples,), and means and states of all samples.
-
-        Raises
-        ------
-        CallerError
-            For a drive above the wire's maximum, and for steps that do not divide a sample.
-        NumericsError
-            If the simulation does not resolve what the wire does.
+        Raises CallerError for a drive above the wire's maximum, NumericsError if the simulation does not resolve the
+        wire.
         """
         allowed_v, bench = self.spool.wire["maximum_voltage_v"], self.spool.bench
         if drive_v.max() > allowed_v:
@@ -120,17 +88,7 @@ class BaseRig(NamedTuple):
 
 
 def keys_of(configuration: RigConfiguration) -> dict[str, VariedKey]:
-    """Return everything that may vary on a simulated rig, by name.
-
-    Parameters
-    ----------
-    configuration
-        The rig file; its parts of a load have their keys here, as ``load.contact.stiffness``.
-
-    Returns
-    -------
-    Numbers of wire, alloy and bench by their names and by their keys in a rig file, then the file's other keys.
-    """
+    """Return all numbers of wire, alloy and bench, by name and key, then other keys, as ``load.contact.stiffness``."""
     found: dict[str, VariedKey] = {}
     for group, schema in GROUPS.items():
         for name, field in schema.model_fields.items():
@@ -168,22 +126,7 @@ def part_names(parts: Iterable[LoadPart]) -> list[str]:
 
 
 class VariedRig:
-    """A simulated rig of which some numbers and keys vary.
-
-    Parameters
-    ----------
-    configuration
-        The rig file.
-    where
-        Its name in messages.
-    names
-        What varies, each one of ``keys_of``.
-
-    Raises
-    ------
-    CallerError
-        For a name that nothing on this rig has, suggesting the nearest, and for a number that has no effect on it.
-    """
+    """A simulated rig of which some names of ``keys_of`` vary; CallerError for one that has no effect on it."""
 
     def __init__(self, configuration: RigConfiguration, where: str, names: Iterable[str]) -> None:
         """Look every name up."""
@@ -245,21 +188,9 @@ class VariedRig:
         return SimulatedSpool(driven, alloy, bench, base.configuration.new_wire)
 
     def wire(self, values: Mapping[str, Value]) -> VariedWire:
-        """Return the wire on its load, without noise, steps of a converter and protection.
+        """Return the wire on its load, as in ``open``, without noise, steps of a converter and protection.
 
-        Parameters
-        ----------
-        values
-            A value for every name, numbers in SI.
-
-        Returns
-        -------
-        The wire's constants with the numbers they were made of; the same as in the rig that ``open`` returns.
-
-        Raises
-        ------
-        CallerError
-            For values that cannot describe a wire, for two wires, moving air, pulses and faults.
+        Raises CallerError for values that cannot describe a wire, for two wires, moving air, pulses and faults.
         """
         base = self._base(values)
         refuse_what_only_a_rig_has(base.configuration, self.where)
@@ -270,17 +201,7 @@ class VariedRig:
         return VariedWire(spool, constants, mechanism.tendon)
 
     def maximum_temperature_k(self, wire: VariedWire) -> float:
-        """Return the highest temperature that the protection of a wire's rig allows [K].
-
-        Parameters
-        ----------
-        wire
-            A wire that ``wire`` has returned.
-
-        Returns
-        -------
-        That of the rig file's limits, else that of the wire's alloy.
-        """
+        """Return the highest temperature that the protection allows: by the rig file's limits, else the alloy."""
         own_k = highest_temperature_k(wire.spool.alloy)
         return self.configuration.limits.changed().get("maximum_temperature_k", own_k)
 
@@ -297,24 +218,7 @@ class VariedRig:
         return self._mechanisms[of]
 
     def open(self, values: Mapping[str, Value], seed: int) -> GuardedRig:
-        """Return the open rig, with its instruments and its protection.
-
-        Parameters
-        ----------
-        values
-            A value for every name, numbers in SI.
-        seed
-            Seed of the instruments' noise and of the air's movement.
-
-        Returns
-        -------
-        The rig with 0 V at its output.
-
-        Raises
-        ------
-        CallerError
-            For values that cannot belong to a rig.
-        """
+        """Return the open rig, with 0 V out, instruments and protection; noise and moving air have the seed."""
         base = self._base(values)
         numbers = {str(key.place[0]): float(values[name]) for name, key in self.keys.items() if key.group == "bench"}
         spool = self._spool(base, values)

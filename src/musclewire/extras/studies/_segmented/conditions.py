@@ -71,28 +71,9 @@ def steady(conditions: Conditions = OF_THE_BENCH) -> ConditionsInTime:
 class LocalDraughts:
     """Draughts that differ along the wire, around other conditions: a random process, repeatable for one seed.
 
-    Each segment has an Ornstein-Uhlenbeck process, correlated with that of its neighbours, so that a draught meets a
-    part of the wire.
-
-    Parameters
-    ----------
-    around
-        Conditions that the draughts change.
-    n_segments
-        Number of segments.
-    strength
-        Standard deviation of convection as a fraction of that in still air, 0 to 0.3.
-    lasting_s
-        Time constant of a draught [s].
-    seed
-        Seed of the random numbers.
-    reach
-        Correlation of a segment's draught with that of its neighbour, 0 to 1; at 1 all move together.
-
-    Raises
-    ------
-    CallerError
-        For a number out of range.
+    Each segment has an Ornstein-Uhlenbeck process of the time constant ``lasting_s``, correlated by ``reach`` (0 to 1,
+    at 1 all move together) with that of its neighbours, so that a draught meets a part of the wire. ``strength``, 0 to
+    0.3, is the standard deviation of convection over that in still air.
     """
 
     def __init__(

@@ -73,28 +73,14 @@ NO_HEAT_J = 1e-12
 
 
 class CompiledSegments(NamedTuple):
-    """A wire in segments in compiled code.
+    """A wire in segments in compiled code."""
 
-    Parameters
-    ----------
-    states, trials
-        The segments, and what they would be after the step that is tried; arrays of as many records.
-    constants
-        Constants of each segment, without a load of its own.
-    places
-        Where each segment lies.
-    whole
-        The wire as a whole on its load; its phases, temperature and resistance are means.
-    sums
-        What only a wire in segments adds up.
-    """
-
-    states: Rows
-    trials: Rows
-    constants: Rows
-    places: Rows
-    whole: RunningWire
-    sums: SegmentSums
+    states: Rows  # of the segments
+    trials: Rows  # what they would be after the step that is tried
+    constants: Rows  # of each segment, without a load of its own
+    places: Rows  # where each segment lies
+    whole: RunningWire  # the wire on its load, with means of phases, temperature and resistance
+    sums: SegmentSums  # what only a wire in segments adds up
 
 
 class SegmentsCircuit(NamedTuple):
@@ -315,27 +301,11 @@ def advance_segments(
     plan: FloatArray,
     longest_s: float,
 ) -> tuple[float, float, float, float]:
-    """Advance a wire in segments by a sample, in place.
+    """Advance a wire in segments by a sample, in place; return voltage [V], current [A], contraction, stress [Pa].
 
-    Parameters
-    ----------
-    rows
-        States, room for trials, constants and places of the segments, each (n_segments,).
-    whole
-        State, constants, distribution and load of the wire as a whole, arrays of one record, (1,).
-    sums
-        What only a wire in segments adds up, (1,).
-    circuit_values
-        Drive voltage [V], and leads and contacts within the measured voltage of the wire [ohm].
-    plan
-        Length of the sample and tolerances.
-    longest_s
-        Longest step [s].
-
-    Returns
-    -------
-    Means over the sample, by the trapezoidal rule: voltage of the wire with the leads inside [V], current [A],
-    contraction of the connector, stress [Pa].
+    These are means by the trapezoidal rule; the voltage includes leads and contacts [ohm], given with the drive [V].
+    ``rows`` are states, room for trials, constants and places, (n_segments,) each; ``whole`` and ``sums`` arrays of one
+    record.
     """
     one = RunningWire(whole[0][0], whole[1][0], whole[2][0], whole[3][0])
     run = CompiledSegments(rows[0], rows[1], rows[2], rows[3], one, sums[0])

@@ -21,38 +21,15 @@ TABLE_POINTS = 800
 
 
 class NormalMixture(NamedTuple):
-    """A population of grains whose offsets are normal.
+    """A population of grains whose offsets are normal, in units of the spread."""
 
-    Parameters
-    ----------
-    weight
-        Fraction of the grains, above 0; the weights of a mixture add up to 1.
-    mean
-        Mean offset, in units of the spread.
-    deviation
-        Standard deviation, in units of the spread, above 0.
-    """
-
-    weight: float
-    mean: float
-    deviation: float
+    weight: float  # above 0; the weights of a mixture add up to 1
+    mean: float  # offset
+    deviation: float  # above 0
 
 
 class WireAgeing(NamedTuple):
     """What a wire changes by use: each effect grows with ln(1 + cycles / scale).
-
-    Parameters
-    ----------
-    cycles_scale
-        Cycles after which each effect has reached ln 2 of its number.
-    residual_strain
-        Strain that the wire gains, per unit of the logarithm.
-    resistance
-        Relative rise of resistance, per unit of the logarithm.
-    temperature_k
-        Rise of the transformation temperatures [K], per unit of the logarithm.
-    cycles_before
-        Cycles that the wire has behind it at the start.
 
     References
     ----------
@@ -60,11 +37,11 @@ class WireAgeing(NamedTuple):
     10.1016/j.msea.2003.10.327. The logarithm is assumed.
     """
 
-    cycles_scale: float = 20.0
-    residual_strain: float = 0.0
-    resistance: float = 0.0
-    temperature_k: float = 0.0
-    cycles_before: float = 0.0
+    cycles_scale: float = 20.0  # cycles after which each effect has reached ln 2 of its number
+    residual_strain: float = 0.0  # gain per unit of the logarithm
+    resistance: float = 0.0  # relative rise per unit of the logarithm
+    temperature_k: float = 0.0  # rise of the transformation temperatures per unit of the logarithm
+    cycles_before: float = 0.0  # behind it at the start
 
     def effects(self, cycles: float) -> tuple[float, float, float]:
         """Return residual strain, resistance factor and shift of the transformation temperatures [K]."""
@@ -166,20 +143,7 @@ class WireStructure:
 
 
 def fin_length_m(conductivity_w_per_m_k: float, diameter_m: float, convection_w_per_m2_k: float) -> float:
-    """Return the length over which a cold clamp cools a wire [m]: sqrt(k A / (h P)) of a fin.
-
-    Parameters
-    ----------
-    conductivity_w_per_m_k
-        Thermal conductivity [W/(m K)].
-    diameter_m
-        Diameter [m].
-    convection_w_per_m2_k
-        Heat transfer coefficient [W/(m2 K)].
-
-    Returns
-    -------
-    The length [m] after which 1/e of the difference to a wire without clamps is left.
+    """Return the length over which a cold clamp cools a wire [m], to 1/e of its effect: sqrt(k A / (h P)) of a fin.
 
     References
     ----------
@@ -189,10 +153,7 @@ def fin_length_m(conductivity_w_per_m_k: float, diameter_m: float, convection_w_
 
 
 def graded_fractions(n_segments: int, end_fraction: float) -> FloatArray:
-    """Return lengths that grow from both ends to the middle by one ratio, the first as given; they add up to 1.
-
-    Equal ones if the first would be larger than these.
-    """
+    """Return lengths, with a sum of 1, that grow from a given one at both ends by one ratio; else equal ones."""
     if n_segments < 4 or end_fraction * n_segments >= 1.0:
         return np.full(n_segments, 1.0 / n_segments)
     steps = np.minimum(np.arange(n_segments), np.arange(n_segments)[::-1])
@@ -208,22 +169,7 @@ def graded_fractions(n_segments: int, end_fraction: float) -> FloatArray:
 
 
 def mixture_distribution(parts: Sequence[NormalMixture]) -> OffsetDistribution:
-    """Return the distribution of a mixture of normal populations of grains.
-
-    Parameters
-    ----------
-    parts
-        The populations.
-
-    Returns
-    -------
-    The distribution, cut off at 4.5 standard deviations of the outermost.
-
-    Raises
-    ------
-    CallerError
-        Without a population, for weights that do not add up to 1 and a deviation that is not above 0.
-    """
+    """Return the distribution of a mixture of grains, cut off at 4.5 standard deviations of the outermost."""
     weights = [part.weight for part in parts]
     if not parts or min(weights) <= 0.0 or abs(sum(weights) - 1.0) > 1e-9 or min(part.deviation for part in parts) <= 0:
         raise CallerError(

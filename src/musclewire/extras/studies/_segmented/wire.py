@@ -47,64 +47,26 @@ class SegmentMeans(NamedTuple):
 
 
 class SegmentedState(NamedTuple):
-    """The true state of a wire in segments, for judging a result and never for an estimator.
-
-    Parameters
-    ----------
-    time_s
-        Simulated time [s].
-    temperature_k, hottest_temperature_k, coldest_temperature_k
-        Temperature [K]: mean over the length, of the hottest segment and of the coldest.
-    resistance_ohm
-        Resistance of the wire [ohm].
-    cycles
-        Transformation cycles since the start.
-    strain
-        Displacement of the connector over the leg's length now, from the zero of the bench; positive when contracted.
-    mean_strain
-        Its mean over the last sample: what an ideal displacement sensor would have read.
-    stress_pa
-        Stress of a leg [Pa].
-    force_n
-        Force of all legs [N].
-    martensite_fraction, r_phase_fraction
-        Volume fractions, means over the length.
-    segment_temperatures_k
-        Temperature of each segment [K], (n_segments,).
-    """
+    """The true state of a wire in segments, for judging a result and never for an estimator."""
 
     time_s: float
-    temperature_k: float
+    temperature_k: float  # mean over the length
     hottest_temperature_k: float
     coldest_temperature_k: float
     resistance_ohm: float
     cycles: float
+    # Displacement of the connector over the leg's length now, from the zero of the bench; positive when contracted.
     strain: float
-    mean_strain: float
-    stress_pa: float
-    force_n: float
-    martensite_fraction: float
+    mean_strain: float  # over the last sample: what an ideal displacement sensor would have read
+    stress_pa: float  # of a leg
+    force_n: float  # of all legs
+    martensite_fraction: float  # volume fractions, means over the length
     r_phase_fraction: float
-    segment_temperatures_k: FloatArray
+    segment_temperatures_k: FloatArray  # (n_segments,)
 
 
 class SegmentedWire:
-    """A wire in segments on a spring with a guide, cold and at rest at first.
-
-    Parameters
-    ----------
-    alloy, wire, bench
-        Numbers of alloy, wire and bench; the bench's spring is the load.
-    structure
-        Its segments, grains, barriers and ageing.
-    step_s
-        Longest step of the simulation [s].
-
-    Raises
-    ------
-    CallerError
-        For numbers that cannot describe a wire.
-    """
+    """A wire in segments on a spring with a guide, cold and at rest at first; ``step_s`` is the longest step."""
 
     def __init__(
         self,
@@ -218,26 +180,7 @@ class SegmentedWire:
         self._aged = (residual, factor, shift_k)
 
     def advance(self, drive_voltage_v: float, duration_s: float, lead_ohm: float = 0.0) -> SegmentMeans:
-        """Advance by a sample at one drive voltage.
-
-        Parameters
-        ----------
-        drive_voltage_v
-            Drive voltage [V] during the sample.
-        duration_s
-            Length of the sample [s].
-        lead_ohm
-            Resistance of leads and contacts within the measured voltage of the wire [ohm].
-
-        Returns
-        -------
-        Means over the sample.
-
-        Raises
-        ------
-        NumericsError
-            If the balances of a step were not met, or a step was too long for what happened in it.
-        """
+        """Advance by a sample, leads in the wire's voltage; NumericsError if a step was not solved or too long."""
         self._age()
         voltage_v, current_a, contraction, stress_pa = advance_segments(
             (self._states, self._trials, self._derived, self._places),
