@@ -106,46 +106,20 @@ class FreeClosing:
             raise CallerError(f"the thermal time is {self.thermal_time_s:g} s and must be above 0")
 
     def normalised(self, resistance_ohm: float) -> float:
-        """Return normalised resistance (Eq. 3).
-
-        Parameters
-        ----------
-        resistance_ohm
-            Resistance of the wires [ohm].
-
-        Returns
-        -------
-        0 at C, 1 at B.
-        """
+        """Return normalised resistance (Eq. 3), 0 at C and 1 at B."""
         return normalised_resistance(resistance_ohm, self.resistance_min_ohm, self.resistance_max_ohm)
 
 
 class AirDisturbance(NamedTuple):
-    """How much the air is expected to change convection, as standard deviations in fractions of the holding power.
-
-    Parameters
-    ----------
-    draught_fraction
-        Part of draughts.
-    draught_time_s
-        Correlation time of a draught [s].
-    air_temperature_fraction
-        Part of the air's temperature, constant over one closing: 3 K of some 60 K between wire and air.
-    """
+    """How much the air is expected to change convection, as standard deviations in fractions of the holding power."""
 
     draught_fraction: float = 0.10
-    draught_time_s: float = 3.0
-    air_temperature_fraction: float = 0.06
+    draught_time_s: float = 3.0  # correlation time
+    air_temperature_fraction: float = 0.06  # constant over one closing: 3 K of some 60 K between wire and air
 
 
 class ContactState(NamedTuple):
-    """State of the detector; ``score`` and the fields after it are its result.
-
-    ``place`` is the normalised resistance at which contact most likely began, ``slope_w`` the growth of power per unit
-    of normalised resistance since. ``touched`` stays True once the score has passed the threshold. ``innovation`` is
-    the deviation of the last energy from the prediction of the free closing in standard deviations of noise and air
-    disturbance; None until the wire contracts.
-    """
+    """State of the detector; ``score`` and the fields after it are its result."""
 
     highest: float
     normalised: float | None
@@ -160,9 +134,11 @@ class ContactState(NamedTuple):
     overlaps: FloatArray
     weights: FloatArray
     score: float
-    place: float
-    slope_w: float
-    touched: bool
+    place: float  # normalised resistance at which contact most likely began
+    slope_w: float  # growth of power per unit of normalised resistance since
+    touched: bool  # stays True once the score has passed the threshold
+    # Deviation of the last energy from the prediction of the free closing in standard deviations of noise and air
+    # disturbance; None until the wire contracts.
     innovation: float | None
 
 
@@ -182,10 +158,7 @@ class ContactDetector:
     """Distinguishes contact from air disturbances while a finger closes; state in, state out."""
 
     def __init__(self, free: FreeClosing, air: AirDisturbance | None = None, threshold: float = THRESHOLD) -> None:
-        """Take the free closing, the expected air disturbance, and the score that counts as contact.
-
-        Raises CallerError for a disturbance or a threshold not above 0.
-        """
+        """Take the free closing, the air disturbance expected and the score that counts as contact, both above 0."""
         self.free, self.air, self.threshold = free, air or AirDisturbance(), threshold
         if not (min(self.air) > 0.0 and threshold > 0.0):
             raise CallerError(
@@ -201,10 +174,7 @@ class ContactDetector:
         )  # fmt: skip
 
     def step(self, state: ContactState, resistance_ohm: float, power_w: float, dt_s: float) -> ContactState:
-        """Return the state after one more sample of a closing, ``dt_s`` after the one before.
-
-        Resistance and power are means over the sample, of all wires in the circuit.
-        """
+        """Return the state after one more sample of a closing, whose resistance and power are means of all wires."""
         free = self.free
         here, before = free.normalised(resistance_ohm), state.normalised
         seen = state._replace(normalised=here, power_w=power_w)

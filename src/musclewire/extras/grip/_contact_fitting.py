@@ -121,7 +121,7 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
 
 
 def power_terms(blocks: Sequence[tuple[float, float, float]]) -> tuple[FloatArray, FloatArray]:
-    """Return the polynomials of holding power [W] and energy of motion [J] fitted to the power of blocks.
+    """Return polynomials of holding power [W] and energy of motion [J] fitted to blocks.
 
     Raises RecordingError if one is negative.
     """

@@ -44,29 +44,14 @@ class GrippedObject(NamedTuple):
 
     The endpoints touch it when their displacements add up to ``clearance_m``. The tables of a finger are (n,), at
     displacements of its connector of 0, 1, 2... times ``step_m``; both fingers have the same.
-
-    Parameters
-    ----------
-    stiffness_n_per_m
-        Stiffness with which the object pushes both endpoints back [N/m].
-    clearance_m
-        Sum of both endpoints' displacements at first touch [m].
-    step_m
-        Connector displacement from point to point of the tables [m].
-    endpoint_m
-        Displacement of a free finger's endpoint [m].
-    compliance_m_per_n
-        Displacement that a force at the endpoint takes from it [m/N].
-    leverage
-        Force that the tendon gains per force at the endpoint.
     """
 
-    stiffness_n_per_m: float
+    stiffness_n_per_m: float  # with which the object pushes both endpoints back
     clearance_m: float
     step_m: float
-    endpoint_m: FloatArray
-    compliance_m_per_n: FloatArray
-    leverage: FloatArray
+    endpoint_m: FloatArray  # displacement of a free finger's endpoint
+    compliance_m_per_n: FloatArray  # displacement that a force at the endpoint takes from it
+    leverage: FloatArray  # force that the tendon gains per force at the endpoint
 
 
 class BalanceGuess(NamedTuple):
@@ -80,20 +65,16 @@ class BalanceGuess(NamedTuple):
 
 
 class CoupledBalance(NamedTuple):
-    """Both wires after a step, and what pushed each connector beyond its load.
-
-    Contraction and friction are those of a common connector; ``earlier`` counts both wires' evaluations before the last
-    trial.
-    """
+    """Both wires after a step, and what pushed each connector beyond its load."""
 
     first: Equilibrium
     second: Equilibrium
     push: ConnectorForce
     second_push: ConnectorForce
-    contraction: float
+    contraction: float  # of a common connector, as friction
     friction_n: float
     grip_n: float
-    earlier: tuple[int, int]
+    earlier: tuple[int, int]  # evaluations of both wires before the last trial
     solved: bool
 
 
@@ -165,8 +146,8 @@ def balanced_contraction(
 ) -> float:
     """Return the contraction of the first wire at which both pulls balance the load of their connector.
 
-    N_1 + d N_2 = F_p1 + d F_p2 + k x + table + friction; each pull is linear and 0 for a slack wire. ``sense`` is
-    the direction d, and the second wire's contraction per contraction of the first.
+    N_1 + d N_2 = F_p1 + d F_p2 + k x + table + friction; each pull is linear and 0 for a slack wire. ``sense`` is the
+    direction d, and the second wire's contraction per contraction of the first.
     """
     state, k = first.state, first.constants
     before = (state.connector_contraction, state.friction_n)
@@ -289,17 +270,14 @@ def grip_force_n(grip: GrippedObject, displacement_m: float, other_m: float) -> 
 
 
 class FingerBalance(NamedTuple):
-    """A finger's wire under a force on its endpoint: the push that this is, and where connector and endpoint are then.
-
-    ``per_n`` is the slope of the endpoint's ``reach_m`` over the force; ``beside_n`` how far the push is from the true.
-    """
+    """A finger's wire under a force on its endpoint, with its push on the connector and both displacements."""
 
     found: Equilibrium
     push: ConnectorForce
     contraction: float
     reach_m: float
-    per_n: float
-    beside_n: float
+    per_n: float  # slope of the endpoint's reach over the force
+    beside_n: float  # how far the push is from the true
 
 
 @compiled_inner

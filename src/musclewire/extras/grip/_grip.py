@@ -35,10 +35,7 @@ MIN_HOLDING_FRACTION = 0.4
 
 
 class GripPolicy:
-    """Closes with rising power, watches for contact, closes on to the target force and holds the drive there.
-
-    Without contact it opens again at the end.
-    """
+    """Closes with rising power until contact, on to the target force and holds; opens again without contact."""
 
     columns = ("wire_resistance_ohm", "contact_score", "contact", "estimated_grip_force_n", "target_grip_force_n")
 

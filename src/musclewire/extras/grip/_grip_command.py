@@ -81,10 +81,7 @@ class ObjectOptions:
     no_object: Annotated[bool, NO_OBJECT] = False
 
     def of_rig(self, rig: str) -> ElasticObject | None:
-        """Return the object between the fingers of a rig, None without one.
-
-        Raises CallerError for options that contradict each other or numbers not above 0.
-        """
+        """Return the object between the fingers of a rig, None without one; CallerError for options that contradict."""
         from musclewire.extras.grip._gripper_training import object_of
         from musclewire.wire import ElasticObject
 
@@ -152,10 +149,7 @@ def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
 
 
 def missed(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
-    """Return by how much the held force misses its tolerance by the instrument, or that there is no instrument.
-
-    None if it is held within the tolerance, and if there is none.
-    """
+    """Return by how much a held force misses its tolerance, or that no instrument shows it; else None."""
     if tolerance_n is None or not run.held:
         return None
     if run.true_force_n is None:

@@ -84,66 +84,20 @@ class GripCurve:
                 )
 
     def closed_m(self, normalised: float) -> float:
-        """Return the travel by which the free fingers have closed in total [m].
-
-        Parameters
-        ----------
-        normalised
-            Normalised resistance.
-
-        Returns
-        -------
-        The travel [m].
-        """
+        """Return the travel by which the free fingers have closed in total at a normalised resistance."""
         return self.fingers * float(evaluate(self.endpoint_m, self._within(normalised)))
 
     def compliance_m_per_n(self, normalised: float) -> float:
-        """Return the compliance of the fingers and their wires between the endpoints [m/N].
-
-        Parameters
-        ----------
-        normalised
-            Normalised resistance.
-
-        Returns
-        -------
-        The compliance [m/N].
-        """
+        """Return the compliance of the fingers and their wires between the endpoints at a normalised resistance."""
         lever = self._lever(normalised)
         return self.fingers * (self.finger_compliance_m_per_n + self.wire_compliance_m_per_n * lever * lever)
 
     def force_n(self, normalised: float, contact: float, stiffness_n_per_m: float) -> float:
-        """Return the grip force [N] on an object of known stiffness.
-
-        Parameters
-        ----------
-        normalised
-            Normalised resistance.
-        contact
-            Normalised resistance at contact.
-        stiffness_n_per_m
-            Stiffness of the object [N/m].
-
-        Returns
-        -------
-        The force [N]; 0 before contact.
-        """
+        """Return the grip force on an object of known stiffness at a normalised resistance; 0 before contact."""
         return float(self._forces_n(normalised, np.array([contact]), np.array([stiffness_n_per_m]))[0, 0])
 
     def max_force_n(self, normalised: float, contact: float) -> float:
-        """Return the grip force on a rigid object [N], an upper bound for any other.
-
-        Parameters
-        ----------
-        normalised
-            Normalised resistance.
-        contact
-            Normalised resistance at contact.
-
-        Returns
-        -------
-        The force [N].
-        """
+        """Return the grip force on a rigid object, an upper bound for any other."""
         return self.force_n(normalised, contact, MAX_STIFFNESS_N_PER_M)
 
     def met_by_power(self, state: ContactState) -> tuple[float, float]:
@@ -152,15 +106,6 @@ class GripCurve:
         Neither is known, and in the most likely pair a draught would count as force. Every pair is therefore weighted
         by its likelihood, with a prior that is uniform in the logarithm over ``UNKNOWN_STIFFNESSES_N_PER_M``. The force
         is the mean over all pairs, which remains unbiased although the closing ends by it.
-
-        Parameters
-        ----------
-        state
-            What the detector of contact knows.
-
-        Returns
-        -------
-        Place of contact, as normalised resistance, and stiffness [N/m].
         """
         tried = self._likelihoods(state, UNKNOWN_STIFFNESSES_N_PER_M)
         if tried is None:
@@ -184,17 +129,6 @@ class GripCurve:
         The stiffness determines how power grows from each place, which leaves less to air disturbances than a free
         slope: log-likelihoods s (overlap) - s^2 (weight) / 2 of the detector's candidates, at the slope s each should
         have.
-
-        Parameters
-        ----------
-        state
-            What the detector of contact knows.
-        stiffness_n_per_m
-            Stiffness of the object [N/m].
-
-        Returns
-        -------
-        The place, as normalised resistance.
         """
         tried = self._likelihoods(state, np.array([stiffness_n_per_m]))
         if tried is None:

@@ -77,18 +77,7 @@ class Gripper:
     pretension_n: float | None
 
     def require_same(self, other: Gripper) -> None:
-        """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %.
-
-        Parameters
-        ----------
-        other
-            The gripper that is mounted.
-
-        Raises
-        ------
-        CallerError
-            If anything that both state differs.
-        """
+        """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %."""
         for item in fields(self):
             learned, mounted = getattr(self, item.name), getattr(other, item.name)
             if learned is None or mounted is None or same(learned, mounted):
@@ -175,9 +164,9 @@ def load_knowledge(path: Path) -> GripperKnowledge:
 
 
 def closing_waveform(rig: Rig, closing_s: float, rest_s: float = REST_S) -> Waveform:
-    """Return drive voltage over time: a rest at the sense voltage, then power that rises linearly.
+    """Return drive over time: a rest at the sense voltage, then power that rises linearly as far as the rig allows.
 
-    Raises CallerError for a duration not above 0, or a closing so fast that the rig does not allow its voltage.
+    Raises CallerError for a closing so fast that the rig does not allow its voltage.
     """
     if not (closing_s > 0.0 and rest_s >= 0.0):
         raise CallerError(f"a closing of {closing_s:g} s after a rest of {rest_s:g} s: give a duration above 0")
@@ -296,11 +285,10 @@ def gripper_of(rig: Rig) -> Gripper:
 def train_gripper(
     rig: str | Path | RigConfiguration, *, seed: int | None = None, on_sample: OnSample | None = None
 ) -> GripperKnowledge:
-    """Learn a simulated gripper: free closings at several speeds, and grips of a block of known stiffness.
+    """Learn a simulated gripper: free closings at several speeds, and grips of a block of 300 N/m.
 
-    The block has 300 N/m. For this, and only for this, the instruments are read: connector and endpoint, and the load
-    cell on the known block. The air moves meanwhile as the rig file states. For real fingers pass the same recordings
-    to ``fit_free_closing`` and ``fit_grip_curve``.
+    For this, and only for this, the instruments are read: connector and endpoint, and the load cell on the known block.
+    For real fingers pass the same recordings to ``fit_free_closing`` and ``fit_grip_curve``.
     """
     configuration, _ = simulated_configuration(rig)
     fingers = fingers_of(configuration)

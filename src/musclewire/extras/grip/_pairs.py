@@ -57,25 +57,12 @@ OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
 
 
 class PairConnection(NamedTuple):
-    """What joins two wires.
+    """What joins two wires."""
 
-    Parameters
-    ----------
-    direction
-        Which way the second wire pulls the connector of the first: 1 in its direction, -1 against it; 0 if each has a
-        connector of its own.
-    feed
-        How the second wire gets its current: ``OWN_SUPPLY``, ``PARALLEL`` or ``SERIES``.
-    second_voltage_v
-        Voltage of the second wire's own supply [V]; not used by the other two feeds.
-    second_series_ohm
-        Resistance in series with the second wire at its own supply [ohm].
-    """
-
-    direction: float
-    feed: int
-    second_voltage_v: float
-    second_series_ohm: float
+    direction: float  # in which the second wire pulls the connector of the first, -1 against it; 0 if each has its own
+    feed: int  # how the second wire gets its current: OWN_SUPPLY, PARALLEL or SERIES
+    second_voltage_v: float  # of the second wire's own supply; not used by the other two feeds
+    second_series_ohm: float  # in series with the second wire at its own supply
 
 
 class RunningPair(NamedTuple):
@@ -230,10 +217,7 @@ def tried_of(
 def attempt_both(
     wires: RunningPair, setting: PairSetting, joined: bool, began: PairInstant, grip_n: float, step_s: float
 ) -> PairAttempt:
-    """Return a step of both wires, which do not move yet: the method of a single wire, with both solved at once.
-
-    ``grip_n`` is the force on the object [N] at the start.
-    """
+    """Return a step of both wires, solved at once as one is, which do not move yet; ``grip_n`` is that at the start."""
     first, second = wires
     first_half_j, second_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
     first_middle = ahead(first.state, first.constants, first_half_j, first_half_j)
@@ -419,10 +403,7 @@ def advance_pair_rows(
     plan: FloatArray,
     sums: FloatArray,
 ) -> None:
-    """Advance two wires in place, each an array of one record, (1,); fill in the means of :func:`advance_pair`, (7,).
-
-    ``parts`` are the ``step_arrays`` of both wires' constants.
-    """
+    """Advance two wires in place, each (1,), by their ``step_arrays``; fill in the pair's means, (7,)."""
     first, second = parts
     wires = RunningPair(
         RunningWire(states[0][0], first[0][0], first[1][0], first[2][0]),
@@ -449,9 +430,8 @@ def advance_pair(
 ) -> tuple[tuple[WireState, WireState], PairMeans]:
     """Return both wires after a time at one drive voltage, and the means over that time.
 
-    The states passed in are not changed; shunt and leads are the first wire's. On a common connector the load is the
-    first one's, and of the second one's only its pretension counts. Energy of each wire is kept to rounding. Raises
-    CallerError for a duration that is not positive or that fixed steps do not divide.
+    Shunt and leads are the first wire's. On a common connector the load is the first one's, and of the second one's
+    only its pretension counts. Energy of each wire is kept to rounding.
     """
     plan = plan_of(stepping, duration_s)
     after = (states[0].copy(), states[1].copy())

@@ -36,7 +36,7 @@ class CoupledWire(NamedTuple):
         return self.pull == "apart"
 
     def force_limit_n(self, first: Wire) -> float:
-        """Return the largest reading of the load cell at which neither wire exceeds its allowed force [N].
+        """Return the largest reading of the load cell at which neither wire exceeds its allowed force.
 
         The load cell reads parallel wires together, and the force is divided by their cross sections, as when cold. In
         other arrangements each wire pulls about the reading: an antagonist on the same connector, or a second finger's

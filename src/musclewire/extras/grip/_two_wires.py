@@ -108,10 +108,7 @@ class TwoWires:
 def coupled_wires(
     second: Any, first: SimulatedSpool, parts: Sequence[LoadPart], mechanism: SimulatedLoad, stage_n: float
 ) -> TwoWires:
-    """Return both wires of a rig, cold and at rest; ``second`` is the ``CoupledWire`` of a part.
-
-    Raises CallerError for an unknown wire, and for a force or voltage that one does not allow.
-    """
+    """Return both wires of a rig, cold and at rest; CallerError for a force or voltage that one does not allow."""
     wire, cold_n = first.wire, stage_n + mechanism.added_n
     other = wire if second.wire is None else load_wire(second.wire)
     require_voltage(second.voltage_v, other)

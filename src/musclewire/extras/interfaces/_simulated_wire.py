@@ -14,30 +14,14 @@ from musclewire.wire import OneWire, StepControl, WireConstants
 
 @dataclass(frozen=True)
 class SimulatedWire:
-    """A wire on its load and in its circuit.
-
-    Parameters
-    ----------
-    name
-        Name of the wire.
-    constants
-        The simulated wire with its load.
-    limits
-        Limits of the protection; sense voltage, maximum voltage and shunt are among them.
-    bench
-        Numbers of the bench by name, in SI.
-    stepping
-        How the rig divides a sample into steps of the simulation.
-    undisturbed
-        Whether the rig has still air and no faults; what disturbs it is not part of these numbers.
-    """
+    """A wire on its load and in its circuit."""
 
     name: str
-    constants: WireConstants
-    limits: ProtectionLimits
-    bench: Mapping[str, float]
+    constants: WireConstants  # load included
+    limits: ProtectionLimits  # of the protection; sense voltage, maximum voltage and shunt are among them
+    bench: Mapping[str, float]  # numbers by name, in SI
     stepping: StepControl
-    undisturbed: bool
+    undisturbed: bool  # whether the rig has still air and no faults, which are not part of these numbers
 
     @property
     def sample_period_s(self) -> float:
@@ -46,24 +30,7 @@ class SimulatedWire:
 
 
 def simulated_wire(rig: str | Path | RigConfiguration = "simulated", **settings: float | str) -> SimulatedWire:
-    """Return the wire of a simulated rig.
-
-    Parameters
-    ----------
-    rig
-        "simulated", the name of another simulated rig, the path of its file, or a configuration.
-    settings
-        Numbers of wire and bench by name, as ``mw.open_rig`` takes them.
-
-    Returns
-    -------
-    The wire.
-
-    Raises
-    ------
-    CallerError
-        For a rig that is not simulated or has two wires.
-    """
+    """Return the wire of a simulated rig with settings, as of ``mw.open_rig``; CallerError for two wires."""
     configuration, where = simulated_configuration(rig)
     device = open_simulated(configuration, where, settings=settings)
     if not isinstance(device.wires, OneWire):

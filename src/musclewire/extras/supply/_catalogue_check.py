@@ -44,24 +44,19 @@ COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
 
 
 class CatalogueRun(NamedTuple):
-    """Result of the catalogue's test of one wire; contractions are fractions of the cold length under the load.
-
-    ``cooling_s`` is None if the wire never contracted beyond the part that is not counted, or is not cold after 120 s.
-    """
+    """Result of the catalogue's test of one wire; contractions are fractions of the cold length under the load."""
 
     stroke: float
     contraction: float
     contraction_fraction: float
+    # None if the wire never contracted beyond the part that is not counted, or is not cold after 120 s.
     cooling_s: float | None
     temperature_k: float
     energy_j: float
 
 
 def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_STRESS_PA) -> Bench:
-    """Return a bench with a weight that loads a wire of this diameter by this stress, for a fast simulation.
-
-    It has one leg, no spring and no friction, and the length, shunt and ambient temperature of ``bench``.
-    """
+    """Return a bench with a weight that loads a wire by a stress: one leg, no spring and no friction."""
     weight_n = float(stress_pa * 0.25 * np.pi * diameter_m**2)
     return bench.with_values(legs=1.0, spring_stiffness_n_per_m=0.0, guide_friction_n=0.0, pretension_n=weight_n)
 
@@ -75,11 +70,7 @@ def run_catalogue_test(
     stress_pa: float = PULL_STRESS_PA,
     heating_s: float = HEATING_S,
 ) -> CatalogueRun:
-    """Heat a wire under a dead weight by a constant current for one second, let it cool, and measure both.
-
-    Length, shunt and ambient temperature are those of ``bench``, the rest is that of :func:`dead_weight_bench`. A run
-    takes some ten milliseconds. Raises NumericsError if the simulation diverges.
-    """
+    """Heat a wire under a dead weight by a constant current for a second, let it cool; measure both."""
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
     step_s = step_for(constants)
     heated, state = heat(constants, current_a, heating_s, step_s)
@@ -112,10 +103,7 @@ def full_stroke(constants: WireConstants, stress_pa: float) -> float:
 
 
 def cooling_curve(constants: WireConstants, state: WireState, step_s: float) -> FloatArray:
-    """Return the contraction step by step after switching off, (n,).
-
-    The curve ends when a hundredth of the part that is not counted is left, or after 120 s.
-    """
+    """Return the contraction after switching off, (n,), to a hundredth of what is not counted or for 120 s."""
     pieces: list[FloatArray] = []
     off = np.zeros(COOLING_CHUNKS)
     for _ in range(int(MAX_COOLING_S / (COOLING_CHUNKS * step_s)) + 1):

@@ -15,24 +15,7 @@ if TYPE_CHECKING:
 
 
 def drive_axes(sizing: SupplySizing, *, style: str = "screen") -> Axes:
-    """Draw contraction [%], temperature [°C] and current [mA] over time [s], one above the other, with pyplot.
-
-    Parameters
-    ----------
-    sizing
-        A simulated drive with its numbers.
-    style
-        Size and fonts of the figure, as in ``Recording.plot``.
-
-    Returns
-    -------
-    The uppermost axes, those of the contraction.
-
-    Raises
-    ------
-    CallerError
-        For an unknown style; the message suggests the nearest.
-    """
+    """Draw contraction [%], temperature [°C] and current [mA] over time [s] with pyplot; return the uppermost axes."""
     figure, panels = panel_rows(style, (1.5, 1.0, 1.0), by_pyplot=True)
     time_s = sizing.recording["time_s"] - sizing.recording.facts.sample_period_s
     with figure.styled():

@@ -26,16 +26,13 @@ HOT_K = 480.0
 
 
 class OneSecondDrive(NamedTuple):
-    """Current and voltage that contract a simulated wire by 90 % of its stroke in one second.
-
-    ``holding_current_a`` then holds it: its steady temperature is the one reached after the second.
-    """
+    """Current and voltage that contract a simulated wire by 90 % of its stroke in one second."""
 
     current_a: float
     wire_voltage_v: float
     stroke: float
     temperature_k: float
-    holding_current_a: float
+    holding_current_a: float  # then holds it: its steady temperature is the one reached after the second
 
 
 def heat(
@@ -84,10 +81,7 @@ def contracting_current_a(constants: WireConstants, seconds: float, displacement
 def one_second_current(
     alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, fraction: float = CONTRACTED_FRACTION
 ) -> OneSecondDrive:
-    """Return the current that brings a cold wire to a fraction of its stroke after ``seconds`` on this bench.
-
-    It is found by bisection, for a current source. Raises NumericsError if no current suffices.
-    """
+    """Return the current that brings a cold wire to a fraction of its stroke in time; NumericsError if none does."""
     constants = constants_from(alloy, wire, bench)
     stroke = full_stroke(constants)
     current_a = contracting_current_a(constants, seconds, fraction * stroke * constants.leg_length_m)
@@ -106,10 +100,7 @@ def one_second_current(
 def relaxation_time_s(
     alloy: Alloy, wire: Wire, bench: Bench, drive: float, on_s: float, *, regulated_current: bool, max_s: float
 ) -> float:
-    """Return the time [s] after ``on_s`` of a drive until a quarter percent of strain is left, at most ``max_s``.
-
-    ``drive`` is a current [A] with ``regulated_current``, else a voltage [V].
-    """
+    """Return the time after a drive (a current [A] or a voltage [V]) until a quarter percent of strain is left."""
     constants = constants_from(alloy, wire, bench)
     samples = max(round(on_s / COARSE_STEP_S), 1)
     on = np.full(samples, drive)

@@ -80,20 +80,18 @@ RELAXING_MULTIPLE, MIN_COOLING_S, MAX_COOLING_S = 1.25, 1.0, 120.0
 class SupplyRequest:
     """A wire, its load and its drive; None is chosen.
 
-    Without supply and current, a wire of the catalogue gets the catalogue's one-second current. ``load_n`` is the
-    weight, or the pretension of the spring; without it ``stress_pa`` sets it. With a duty the drive
-    is a square wave until ``on_s``: on for that fraction of each ``duty_period_s``.
+    Without supply and current, a wire of the catalogue gets the catalogue's one-second current.
     """
 
     wire: str
     supply_v: float | None = None
     current_a: float | None = None
     on_s: float = 1.0
-    duty: float | None = None
+    duty: float | None = None  # with it the drive is a square wave until ``on_s``, on for this fraction of each period
     duty_period_s: float = 1.0
     duration_s: float | None = None
     length_m: float = DEFAULT_LENGTH_M
-    load_n: float | None = None
+    load_n: float | None = None  # the weight, or the pretension of the spring; without it ``stress_pa`` sets it
     stress_pa: float | None = None
     spring_n_per_m: float = 0.0
     shunt_ohm: float | None = None
@@ -291,10 +289,7 @@ def size_supply(
     overwrite: bool = False,
     on_sample: OnSample | None = None,
 ) -> SupplySizing:
-    """Run the drive on the simulated rig and return its results, with the parts the wire needs.
-
-    Raises CallerError if the request is inconsistent.
-    """
+    """Run the drive on the simulated rig and return its results, with the parts the wire needs."""
     plan = plan_supply(request)
     wire, bench = with_settings(plan.wire, load_bench(BENCH), plan.configuration.settings, "simulate")
     best = usable_one_second_current(wire, bench, request.ambient_k)

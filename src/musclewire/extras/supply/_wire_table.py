@@ -28,35 +28,26 @@ class ShuntChoice(NamedTuple):
 
 
 class WireRow(NamedTuple):
-    """One wire at one length under one stress; SI.
-
-    ``one_second_current_a`` contracts it by 90 % in a second and must then fall to ``holding_current_a``;
-    ``lasting_current_a`` is the largest permanent current below 150 C. ``supply_v`` is across wire and
-    shunt at the one-second current, ``power_w`` the wire's power at it. ``sense_voltage_v``, ``amplitude_v`` of the
-    slow sine, ``maximum_voltage_v`` and ``pretension_n`` of a V are a rig file's.
-    """
+    """One wire at one length under one stress; SI."""
 
     wire: str
     cold_resistance_ohm: float
     pull_n: float
-    one_second_current_a: float
+    one_second_current_a: float  # contracts it by 90 % in a second and must then fall to ``holding_current_a``
     catalogue_current: CatalogueCell
     holding_current_a: float
-    lasting_current_a: float
-    supply_v: float
-    power_w: float
-    sense_voltage_v: float
-    amplitude_v: float
+    lasting_current_a: float  # largest permanent current below 150 C
+    supply_v: float  # across wire and shunt at the one-second current
+    power_w: float  # of the wire at it
+    sense_voltage_v: float  # this and the rest are of a rig file
+    amplitude_v: float  # of the slow sine
     maximum_voltage_v: float
-    pretension_n: float
+    pretension_n: float  # of a V
     shunt: ShuntChoice
 
 
 def wire_table(length_m: float, stress_pa: float, ambient_k: float) -> list[WireRow]:
-    """Return all wires of the catalogue, thinnest first, LT before HT.
-
-    Raises NumericsError if no current contracts a wire at this temperature.
-    """
+    """Return all wires of the catalogue, thinnest first, LT before HT; NumericsError if no current contracts one."""
     return [wire_row(name, length_m, stress_pa, ambient_k) for name in catalogue_names()]
 
 

@@ -27,25 +27,13 @@ LOSS_SLOPE_K = 1.0
 
 
 class HeatFlow(NamedTuple):
-    """Heat that flows into a wire at a drive voltage, with its slopes.
-
-    Parameters
-    ----------
-    power_w, loss_w
-        Electrical power, and loss to the air [W].
-    per_volt
-        Slope of the power over the drive voltage [W/V].
-    per_ohm
-        Slope of the power over the wire's resistance [W/ohm].
-    loss_per_k
-        Slope of the loss over the wire's temperature [W/K].
-    """
+    """Heat that flows into a wire at a drive voltage, with its slopes."""
 
     power_w: float
-    loss_w: float
-    per_volt: float
-    per_ohm: float
-    loss_per_k: float
+    loss_w: float  # to the air
+    per_volt: float  # slope of the power over the drive voltage [W/V]
+    per_ohm: float  # slope of the power over the wire's resistance [W/ohm]
+    loss_per_k: float  # slope of the loss over the wire's temperature [W/K]
 
 
 @compiled
@@ -70,10 +58,9 @@ def flow_rows(
 
 
 def heated_to(state: WireState, constants: WireConstants, enthalpy_j: float) -> WireState:
-    """Return a wire at another enthalpy, heated or cooled all the way there without turning.
+    """Return a wire at another enthalpy, heated or cooled there without turning; NumericsError if there is no balance.
 
-    The path between does not matter: fronts and friction follow the farthest point of a motion. The state passed in is
-    not changed. Raises NumericsError if the balances of heat and force cannot be met.
+    The path between does not matter: fronts and friction follow the farthest point of a motion.
     """
     after = state.copy()
     if not heat_rows(after.row, *constants.step_arrays(), enthalpy_j):

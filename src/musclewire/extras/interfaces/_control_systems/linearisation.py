@@ -27,26 +27,13 @@ class SampledWire:
 
     The state after a sample is ``kept`` times the state before it plus ``driven`` times the drive; the mean of the
     state over the sample is ``mean_kept`` times the state before plus ``mean_driven`` times the drive.
-
-    Parameters
-    ----------
-    period_s
-        Time between samples [s].
-    kept
-        Part of the state that is left after a sample.
-    driven
-        State per drive voltage after a sample [J/V].
-    mean_kept
-        Mean over a sample of what is left of the state.
-    mean_driven
-        Mean over a sample of the state per drive voltage [J/V].
     """
 
     period_s: float
     kept: float
-    driven: float
+    driven: float  # [J/V]
     mean_kept: float
-    mean_driven: float
+    mean_driven: float  # [J/V]
 
 
 @dataclass(frozen=True)
@@ -54,35 +41,16 @@ class LinearWire:
     """A wire near an operating point: d(heat)/dt = ``rate_per_s`` heat + ``power_w_per_v`` drive.
 
     Its state is the heat [J] beyond the operating point's enthalpy, its input the drive voltage [V] beyond the point's.
-
-    Parameters
-    ----------
-    point
-        The operating point.
-    motion
-        "branch": onward in the direction in which the point was reached; "minor loop": back, without a change of phase.
-    rate_per_s
-        The pole [1/s]; below 0 for a stable wire.
-    power_w_per_v
-        Slope of the power over the drive voltage [W/V].
-    temperature_k_per_j
-        Slope of temperature over heat [K/J].
-    strain_per_j
-        Slope of strain over heat [1/J].
-    resistance_ohm_per_j
-        Slope of resistance over heat [ohm/J].
-    force_n_per_j
-        Slope of the force of all legs over heat [N/J].
     """
 
     point: OperatingPoint
-    motion: Motion
-    rate_per_s: float
+    motion: Motion  # "branch": onward as the point was reached; "minor loop": back, without a change of phase
+    rate_per_s: float  # the pole; below 0 for a stable wire
     power_w_per_v: float
-    temperature_k_per_j: float
+    temperature_k_per_j: float  # this and those that follow are slopes over heat
     strain_per_j: float
     resistance_ohm_per_j: float
-    force_n_per_j: float
+    force_n_per_j: float  # of all legs
 
     @property
     def time_constant_s(self) -> float:
@@ -95,31 +63,11 @@ class LinearWire:
         return self.strain_per_j * self.point.wire.constants.leg_length_m
 
     def steady_per_volt(self, slope: float) -> float:
-        """Return what a quantity changes by in the end, per volt of drive.
-
-        Parameters
-        ----------
-        slope
-            Slope of the quantity over heat, per joule.
-
-        Returns
-        -------
-        The static gain, in the quantity's unit per volt.
-        """
+        """Return what a quantity changes by in the end, per volt of drive, from its slope over heat per joule."""
         return -slope * self.power_w_per_v / self.rate_per_s
 
     def estimate_per_j(self, model: SensingModel) -> float:
-        """Return the slope of the estimated strain over heat: that of the model's mean curve at the point's resistance.
-
-        Parameters
-        ----------
-        model
-            A model that estimates strain.
-
-        Returns
-        -------
-        The slope [1/J]; 0 outside of the model's valid range, where the estimate does not move.
-        """
+        """Return the slope over heat of the strain by a model's mean curve; 0 outside of its valid range."""
         curve = model.curve()
         per_ohm = 1.0 / (curve.resistance_max_ohm - curve.resistance_min_ohm)
         normalised = (self.point.resistance_ohm - curve.resistance_min_ohm) * per_ohm
@@ -129,17 +77,7 @@ class LinearWire:
         return slope * per_ohm * self.resistance_ohm_per_j
 
     def sampled(self, period_s: float) -> SampledWire:
-        """Return the wire between samples, exactly: its drive is held, and a reading is a mean over a sample.
-
-        Parameters
-        ----------
-        period_s
-            Time between samples [s], above 0.
-
-        Returns
-        -------
-        The wire in discrete time.
-        """
+        """Return the wire between samples, exactly: its drive is held, and a reading is a mean over a sample."""
         exponent = self.rate_per_s * period_s
         growth = expm1(exponent)
         mean = growth / exponent if exponent else 1.0
@@ -148,29 +86,10 @@ class LinearWire:
 
 
 def linearised(point: OperatingPoint, motion: Motion = "branch") -> LinearWire:
-    """Return a wire linearised at an operating point.
+    """Return a wire linearised at a point; NumericsError if it finds no balance with its load next to the point.
 
-    Parameters
-    ----------
-    point
-        The operating point.
-    motion
-        "branch": onward in the direction in which the point was reached, with the transformation; "minor loop": back,
-        with the wire's own heat capacity, the guide held by friction within its presliding.
-
-    Returns
-    -------
-    The linear wire.
-
-    Raises
-    ------
-    NumericsError
-        If the wire finds no balance with its load next to the point.
-
-    Notes
-    -----
     d(heat)/dt = P(V, R) - loss(T), with P = V^2 R / (R + R_s)^2; R and T are functions of heat alone while the wire
-    moves one way.
+    moves one way. In a "minor loop" the guide is held by friction within its presliding.
     """
     constants, state = point.wire.constants, point.state
     onward = 1.0 if (point.branch == "heating") == (motion == "branch") else -1.0

@@ -44,20 +44,9 @@ class LoopMargins:
 
 
 def sampled_system(linear: LinearWire, period_s: float, model: SensingModel | None = None) -> Any:
-    """Return a linear wire in discrete time: drive held over a sample, strain the mean over the sample that has ended.
+    """Return the ``control.StateSpace`` from drive [V] held over a sample to mean strain in the sample that has ended.
 
-    Parameters
-    ----------
-    linear
-        The wire, linearised at an operating point.
-    period_s
-        Time between samples [s].
-    model
-        Model of the wire: the output is then its estimate of strain. None takes the strain itself.
-
-    Returns
-    -------
-    A ``control.StateSpace`` from drive voltage [V] to strain, both relative to the operating point.
+    Both are relative to the operating point. With a model the output is its estimate of strain.
     """
     sampled = linear.sampled(period_s)
     per_j = linear.strain_per_j if model is None else linear.estimate_per_j(model)
@@ -73,19 +62,9 @@ def sampled_system(linear: LinearWire, period_s: float, model: SensingModel | No
 
 
 def controller_system(settings: PidSettings, period_s: float) -> Any:
-    """Return a plain PID in discrete time, from strain error to drive voltage, away from its limits.
+    """Return the ``control.TransferFunction`` of ``pid`` from strain error to drive voltage, away from its limits.
 
-    Parameters
-    ----------
-    settings
-        Its gains and scales.
-    period_s
-        Time between samples [s].
-
-    Returns
-    -------
-    A ``control.TransferFunction``: the law of the controller ``pid``, whose derivative acts on the measured strain. In
-    the loop that is the same transfer function.
+    The controller's derivative acts on the measured strain. In the loop that is the same transfer function.
     """
     z = control.tf([1.0, 0.0], [1.0], period_s)
     weight = period_s / (settings.derivative_filter_s + period_s)

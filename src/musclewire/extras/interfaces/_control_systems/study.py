@@ -31,15 +31,7 @@ MIN_HZ, MAX_OF_NYQUIST = 1e-3, 0.97
 
 @dataclass(frozen=True)
 class LinearisedLoop:
-    """A linear wire, and the margins of the loop around it.
-
-    Parameters
-    ----------
-    linear
-        The wire, linearised at an operating point in one direction.
-    margins
-        Margins of the closed loop there.
-    """
+    """A linear wire, and the margins of the loop around it."""
 
     linear: LinearWire
     margins: LoopMargins
@@ -123,24 +115,7 @@ def linearise(
 
 
 def bode_axes(found: Linearisation, *, style: str = "screen") -> Any:
-    """Draw the open loops of a linearisation as a Bode plot, with pyplot.
-
-    Parameters
-    ----------
-    found
-        The linear wires with their loops.
-    style
-        Size and fonts of the figure, as in ``Recording.plot``.
-
-    Returns
-    -------
-    The upper axes, those of the magnitude; below are those of the phase.
-
-    Raises
-    ------
-    CallerError
-        For an unknown style; the message suggests the nearest.
-    """
+    """Draw the open loops of a linearisation as a Bode plot, with pyplot; return the axes of the magnitude."""
     from musclewire.figures import panel_rows
 
     figure, (magnitude, phase) = panel_rows(style, (1.5, 1.1), by_pyplot=True)

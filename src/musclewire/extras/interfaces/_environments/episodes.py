@@ -23,41 +23,20 @@ KINDS = ("staircase", "random")
 
 @dataclass(frozen=True)
 class Episode:
-    """What a wire is asked to follow from a reset to the end of its episode.
-
-    The first level is held for ``approach_s`` longer than the others: the wire starts cold.
-
-    Parameters
-    ----------
-    targets
-        "staircase": from ``low`` to ``high`` in equal increments and back, as in the paper; "random": as many levels,
-        each drawn from the whole range.
-    low
-        Lowest target, strain as a fraction; the paper's is 1.5 %.
-    high
-        Highest target, strain as a fraction; the paper's is 3.0 %.
-    increments
-        Number of increments from ``low`` to ``high``; the paper's 5 make 11 levels.
-    hold_s
-        Duration of a level [s]; the paper's is 6 s.
-    approach_s
-        Additional time for the first level [s], in which a cold wire arrives there; 12 s as in ``mw.control``.
-
-    Raises
-    ------
-    CallerError
-        For an unknown kind of targets, a range that is empty, and times or numbers that are not above zero.
+    """What a wire is asked to follow from a reset to the end of its episode; the defaults are the paper's staircase.
 
     References
     ----------
     Lan and Fan 2010, Fig. 11 and Table 2.
     """
 
+    # "staircase": from low to high in equal increments and back; "random": as many levels of the whole range.
     targets: Literal["staircase", "random"] = "staircase"
-    low: float = 0.015
-    high: float = 0.030
-    increments: int = 5
-    hold_s: float = 6.0
+    low: float = 0.015  # strain as a fraction
+    high: float = 0.030  # strain as a fraction
+    increments: int = 5  # from low to high; 5 make 11 levels
+    hold_s: float = 6.0  # duration of a level
+    # Additional time for the first level, in which a cold wire arrives there; as in mw.control.
     approach_s: float = 12.0
 
     def __post_init__(self) -> None:
@@ -80,34 +59,16 @@ class Episode:
         return 2 * self.increments + 1
 
     def drawn(self, draws: FloatArray) -> FloatArray:
-        """Return the targets of one episode or of many.
-
-        Parameters
-        ----------
-        draws
-            Random numbers from 0 to 1, (n_levels,) or (n_episodes, n_levels); a staircase needs none of them.
-
-        Returns
-        -------
-        Strains as fractions, of the shape of the draws.
-        """
+        """Return strains in the shape of the draws from 0 to 1, (..., n_levels); a staircase needs none of them."""
         if self.targets == "random":
             return self.low + (self.high - self.low) * draws
         steps = staircase(self.low, self.high, (self.high - self.low) / self.increments, self.hold_s)
         return np.broadcast_to(np.asarray(steps.levels), draws.shape).copy()
 
     def level_of_sample(self, sample_period_s: float) -> IntArray:
-        """Return which level is asked for in each sample.
+        """Return the level asked for in each sample after the reset, and after the last one, (n_samples + 1,).
 
-        Parameters
-        ----------
-        sample_period_s
-            Time between samples [s].
-
-        Returns
-        -------
-        Numbers of the levels, (n_samples + 1,), from the first sample after the reset on; the last one is what is asked
-        for when the episode has ended. Approach and levels are rounded to whole samples, a level to at least one.
+        Approach and levels are rounded to whole samples, a level to at least one.
         """
         approach, hold = round(self.approach_s / sample_period_s), max(round(self.hold_s / sample_period_s), 1)
         samples = np.arange(approach + self.levels * hold + 1)

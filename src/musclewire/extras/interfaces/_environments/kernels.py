@@ -124,10 +124,7 @@ def read_lane(
 def read_lanes(
     facts: Rows, rules: Rows, protections: Rows, memory: Rows, seed: int, means: FloatArray, ends: Rows
 ) -> None:
-    """Read all lanes, and judge what is read by their protections.
-
-    ``means`` are true means over a sample: wire voltage, shunt voltage, displacement, (3, n_lanes).
-    """
+    """Read all lanes from mean wire voltage, shunt voltage and displacement, (3, n_lanes), and judge the readings."""
     for lane in range(means.shape[1]):
         fact, kept, end = facts[lane], memory[lane], ends[lane]
         wire_v, shunt_v, displacement_m = read_lane(
@@ -151,10 +148,7 @@ def estimate_lanes(
     answer: FloatArray,
     observed: FloatArray,
 ) -> int:
-    """Write what an estimator says into the last column of what is observed, of all lanes that are still driven.
-
-    ``constants`` and ``states`` are those of its tick, a row for each lane. Returns a lane in which it failed, else -1.
-    """
+    """Write an estimator's strain of all driven lanes as last column; return a lane that failed, else -1."""
     given, failed = np.empty(4), -1
     for lane in range(drive_v.shape[0]):
         if ends[lane]["event"] != 0:

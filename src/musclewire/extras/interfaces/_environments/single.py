@@ -93,24 +93,7 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[FloatArray, dict[str, Any]]:
-        """Let the wire cool, draw new targets, and take a first sample at the sense voltage.
-
-        Parameters
-        ----------
-        seed
-            Seed of targets and noise; None continues the random numbers of the last one.
-        options
-            None are known.
-
-        Returns
-        -------
-        The first observation, and no information.
-
-        Raises
-        ------
-        CallerError
-            For any option.
-        """
+        """Let the wire cool, draw new targets, and take a first sample at the sense voltage; no options are known."""
         no_options(options)
         super().reset(seed=seed, options=options)
         self._rig.close()
@@ -125,21 +108,9 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         return self._observed.copy(), {}
 
     def step(self, action: FloatArray) -> tuple[FloatArray, float, bool, bool, dict[str, Any]]:
-        """Hold a drive for one sample.
+        """Hold a drive for one sample; CallerError before a reset, and after the protection has switched off.
 
-        Parameters
-        ----------
-        action
-            The drive, (1,): -1 for the sense voltage, 1 for the maximum voltage; numbers beyond count as these.
-
-        Returns
-        -------
-        Observation, reward, whether the protection has ended the episode, whether its time has, and information.
-
-        Raises
-        ------
-        CallerError
-            For an action that is not one finite number, before a reset, and after the protection has switched off.
+        The action is (1,): -1 for the sense voltage, 1 for the maximum voltage; finite numbers beyond count as these.
         """
         if not self._running:
             raise CallerError("this episode has not begun, or the protection has ended it: call reset")

@@ -20,15 +20,10 @@ KINDS: tuple[Kind, ...] = ("real", "integer", "boolean")
 
 @dataclass(frozen=True)
 class FmuVariable:
-    """One variable of an FMU.
-
-    ``role`` is an input, an output, a parameter that is set before the end of initialization (fixed) or at any time
-    (tunable), or a constant. ``names`` are those of an integer's values: it is then an enumeration of the type
-    ``type_name``. ``starts_with`` are the inputs and parameters on which an output depends at rest.
-    """
+    """One variable of an FMU."""
 
     name: str
-    role: Role
+    role: Role  # a parameter is fixed (set before the end of initialization) or tunable (at any time)
     meaning: str
     unit: str = ""
     kind: Kind = "real"
@@ -37,9 +32,9 @@ class FmuVariable:
     maximum: float = math.inf
     nominal: float = 0.0
     continuous: bool = True
-    type_name: str = ""
-    names: tuple[tuple[int, str, str], ...] = ()
-    starts_with: tuple[str, ...] = ()
+    type_name: str = ""  # of the enumeration that an integer with names is
+    names: tuple[tuple[int, str, str], ...] = ()  # of an integer's values
+    starts_with: tuple[str, ...] = ()  # inputs and parameters on which an output depends at rest
 
 
 def rows_of(name: str) -> list[dict[str, Any]]:
@@ -371,18 +366,14 @@ LOG_OWNERS = {
 
 
 class FmuContents(NamedTuple):
-    """A model to export.
-
-    ``sources`` are all its C files but those that every FMU has; ``step_s`` is the communication step that tools
-    should take by default [s]; ``left_out`` names what the rig or model has and the FMU has not.
-    """
+    """A model to export."""
 
     title: str
     variables: FmuVariables
-    sources: Mapping[str, str]
-    step_s: float
+    sources: Mapping[str, str]  # all its C files but those that every FMU has
+    step_s: float  # communication step that tools should take by default
     owners: tuple[str, ...]
-    left_out: tuple[str, ...]
+    left_out: tuple[str, ...]  # what the rig or model has and the FMU has not
 
 
 def c_files(folder: str, *, without: tuple[str, ...] = ()) -> dict[str, str]:

@@ -34,10 +34,7 @@ class LoopInFmu(NamedTuple):
 
 
 def controller_contents(name: str, loop: LoopInFmu, sample_period_s: float) -> FmuContents:
-    """Return what is in the FMU of a loop, whose controller ticks every ``sample_period_s``.
-
-    Raises CallerError for limits that contradict each other, and for an estimator that has no form in C.
-    """
+    """Return what is in a loop's FMU; CallerError for an estimator without a form in C and limits that contradict."""
     model, settings, limits = loop.model, loop.settings, loop.limits
     drive = DriveLimits(limits.sense_voltage_v, limits.maximum_voltage_v)
     constants = collect(model, settings, None, drive, limits, loop.estimator)

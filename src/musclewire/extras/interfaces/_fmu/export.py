@@ -45,11 +45,7 @@ def archive_bytes(contents: Mapping[str, bytes]) -> bytes:
 
 
 def write_archive(path: Path, content: bytes, *, overwrite: bool) -> None:
-    """Write an FMU whole or not at all; its folder is made if need be.
-
-    Raises CallerError if there is another file of this name and it is not to be replaced, or the folder cannot be
-    written to.
-    """
+    """Write an FMU whole or not at all; its folder is made if need be, another file only replaced on request."""
     if not overwrite and path.exists() and path.read_bytes() != content:
         raise CallerError(
             f"{path} is another FMU: choose another folder or name, or allow replacing ("
@@ -173,17 +169,7 @@ class Fmu(NamedTuple):
     left_out: tuple[str, ...]
 
     def names(self, role: Role) -> list[str]:
-        """Return the names of the variables of one role.
-
-        Parameters
-        ----------
-        role
-            "input", "output", "fixed" (parameters, set before a simulation), or "constant".
-
-        Returns
-        -------
-        Their names, in the order of their value references.
-        """
+        """Return the names of the variables of one role, in the order of their value references."""
         return [variable.name for variable in self.variables.ordered if variable.role == role]
 
 
