@@ -209,17 +209,17 @@ def catalogue_wire(name: str, shift_wire: Wire, reference_wire: Wire) -> Wire:
     largest_n = 1e6 * rules.largest_stress_mpa * row.area_m2
     values = {
         "diameter_m": given(row.diameter_m, "m", "datasheet", catalogue.source, f"{row.diameter_in:g} inch"),
-        "resistance_per_metre_ohm_per_m": printed(row.resistance_ohm_per_m, "ohm/m", catalogue.source),
+        "resistance_per_metre_ohm_per_m": parameter_of_cell(row.resistance_ohm_per_m, "ohm/m", catalogue.source),
         "resistivity_factor": resistivity_factor(row, reference_wire),
         "temperature_shift_k": temperature_shift(wire_class, shift_wire, rules),
         "r_phase_shift_k": given(0.0, "K", "assumed", "the alloy's own R-phase temperature"),
         "martensite_barrier_shift_k": given(0.0, "K", "assumed", "the alloy's own hysteresis"),
         "maximum_force_n": given(largest_n, "N", "derived", rules.largest_stress_source),
-        "nominal_force_n": printed(row.cooling_force_g, "N", catalogue.source, GRAM_FORCE_N),
+        "nominal_force_n": parameter_of_cell(row.cooling_force_g, "N", catalogue.source, GRAM_FORCE_N),
         "convection_factor": reference_wire.convection_factor.model_copy(
             update={"note": f"that of {reference_wire.name}, for a wire in any direction"}
         ),
-        **voltages(row, wire_class, rules),
+        **drive_voltages(row, wire_class, rules),
     }
     description = f"Flexinol, {row.name} mm ({row.diameter_in:g} inch), {CLASSES[wire_class]}, from the catalogue"
     return validated(
@@ -234,7 +234,7 @@ def given(value: float, unit: str, kind: str, source: str, note: str = "") -> di
     ).model_dump()
 
 
-def printed(cell: CatalogueCell, unit: str, source: str, to_si: float = 1.0) -> dict[str, Any]:
+def parameter_of_cell(cell: CatalogueCell, unit: str, source: str, to_si: float = 1.0) -> dict[str, Any]:
     """Return a cell as a parameter whose note says whether it is corroborated."""
     where = f"{cell.status}: {cell.source}" if cell.source else cell.status
     return given(cell.value * to_si, unit, "datasheet", source, "; ".join(filter(None, (where, cell.note))))
@@ -267,7 +267,7 @@ def temperature_shift(wire_class: str, shift_wire: Wire, rules: WireRules) -> di
     )
 
 
-def voltages(row: CatalogueRow, wire_class: str, rules: WireRules) -> dict[str, Any]:
+def drive_voltages(row: CatalogueRow, wire_class: str, rules: WireRules) -> dict[str, Any]:
     """Return amplitude of the slow sine and highest drive voltage for 14 cm in series with 1 ohm."""
     cold_ohm = row.resistance_ohm_per_m.value * DEFAULT_LENGTH_M + DEFAULT_SHUNT_OHM
     holding_a = 1e-3 * (row.holding_lt_ma if wire_class == "lt" else row.holding_ht_ma)

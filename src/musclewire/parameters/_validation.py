@@ -64,7 +64,7 @@ class TaggedTable:
             return model.model_validate(given)
         except ValidationError as error:
             raise ValidationError.from_exception_data(
-                error.title, [placed(tag, item) for item in errors_of(error)]
+                error.title, [with_kind_in_location(tag, item) for item in errors_of(error)]
             ) from None
 
 
@@ -73,7 +73,7 @@ def errors_of(error: ValidationError) -> list[Any]:
     return error.errors(include_url=False)
 
 
-def placed(tag: str, problem: Any) -> InitErrorDetails:
+def with_kind_in_location(tag: str, problem: Any) -> InitErrorDetails:
     """Return an error with the kind's name at the head of its location."""
     kind: Any = problem["type"]
     return InitErrorDetails(
@@ -181,7 +181,7 @@ def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
     siblings = {other["type"] for other in problems if other["loc"][:-1] == problem["loc"][:-1]}
     if {"float_type", "string_type"} <= siblings:  # one key that takes either, refused as both
         key = place.rpartition(".")[0]
-        return f"{key}: must be a number in SI or text with a unit, not {shown(problem['input'])}"
+        return f"{key}: must be a number in SI or text with a unit, not {value_in_words(problem['input'])}"
     # The error that a check of ours raised, or what pydantic says.
     said = str(problem.get("ctx", {}).get("error", "")) or str(problem["msg"])
     message = in_words(dict(problem), model) or said
@@ -193,7 +193,7 @@ def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
     key = str(problem["loc"][-1]) if problem["loc"] else ""
     field = place_of(model, problem["loc"]).field
     if problem["type"] in TABLE_EXPECTED:
-        return f"must be a table{keys_hint(field)}, not {shown(problem['input'])}"
+        return f"must be a table{keys_hint(field)}, not {value_in_words(problem['input'])}"
     if problem["type"] == "list_type":
         return f"must be a list{brackets_hint(key, field)}"
     words = IN_WORDS.get(problem["type"])
@@ -202,7 +202,7 @@ def in_words(problem: Mapping[str, Any], model: type[BaseModel]) -> str | None:
     unit = unit_of(field)
     near = nearest_whole(problem["input"], field)
     said = words.format(key=key, u=f" {unit}" if unit else "", near=near, **problem.get("ctx", {}))
-    return f"{said}, not {shown(problem['input'])}"
+    return f"{said}, not {value_in_words(problem['input'])}"
 
 
 def nearest_whole(value: Any, field: FieldInfo | None) -> int | None:
@@ -223,7 +223,7 @@ def brackets_hint(key: str, field: FieldInfo | None) -> str:
     return f": write [[{key}]], with two brackets, before each {each or key}" if names else ""
 
 
-def shown(value: Any) -> str:
+def value_in_words(value: Any) -> str:
     """Return a value as a message shows it: text in quotes, a table or list by its kind."""
     if isinstance(value, dict):
         return "a table"
@@ -285,7 +285,7 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> KeyPlace:
         if kinds is not None:
             annotation = kinds.model_of(str(next(parts, "")))
         if get_origin(annotation) in (Union, UnionType):
-            annotation = only_table(annotation) or tagged(get_args(annotation), str(next(parts, "")))
+            annotation = only_table(annotation) or model_with_tag(get_args(annotation), str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
             return KeyPlace(current, None)
         current = annotation
@@ -298,7 +298,7 @@ def only_table(annotation: Any) -> Any:
     return found[0] if len(found) == 1 else None
 
 
-def tagged(models: Iterable[Any], tag: str) -> Any:
+def model_with_tag(models: Iterable[Any], tag: str) -> Any:
     """Return the model of a tagged union that has this tag as one of its literal texts."""
     for model in models:
         if not (isinstance(model, type) and issubclass(model, BaseModel)):

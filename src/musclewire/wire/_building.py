@@ -91,7 +91,7 @@ def constants_of(
     constants = WireConstants.from_values(
         len(weights),
         **alloy_on_spool(material, spool, new_wire=new_wire),
-        **body(material, spool, bench),
+        **dimensions_and_heat(material, spool, bench),
         series_resistance_ohm=bench["shunt_resistance_ohm"] + bench["lead_resistance_ohm"],
         shunt_resistance_ohm=bench["shunt_resistance_ohm"],
         ambient_temperature_k=bench["ambient_temperature_k"],
@@ -165,7 +165,7 @@ def alloy_on_spool(material: Mapping[str, float], spool: Mapping[str, float], *,
     return same
 
 
-def body(material: Mapping[str, float], spool: Mapping[str, float], bench: Numbers) -> dict[str, float]:
+def dimensions_and_heat(material: Mapping[str, float], spool: Mapping[str, float], bench: Numbers) -> dict[str, float]:
     """Return the dimensions, heat capacity and latent heat of a wire."""
     length, legs, diameter = bench["wire_length_m"], bench["legs"], spool["diameter_m"]
     area = 0.25 * math.pi * diameter**2

@@ -93,7 +93,7 @@ class HeatBalance(NamedTuple):
         along_k = np.full(time_s.size, begins_k)
         # Copies: a recording's columns are read-only, which would be compiled apart.
         columns = tuple(np.array(one) for one in (time_s, power_w, place))
-        follow(columns, (heat_j, self.capacity_j_per_k, self.air_k), losses_w_per_k, along_k)
+        write_temperatures(columns, (heat_j, self.capacity_j_per_k, self.air_k), losses_w_per_k, along_k)
         return along_k
 
 
@@ -124,7 +124,7 @@ def warmed_k(above_k: float, power_w: float, dt_s: float, capacity_j_per_k: floa
 
 
 @compiled
-def follow(
+def write_temperatures(
     columns: tuple[FloatArray, ...],
     numbers: tuple[float, float, float],
     losses_w_per_k: FloatArray,

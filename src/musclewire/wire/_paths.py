@@ -16,7 +16,7 @@ from musclewire.errors import CallerError
 from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire._building import cooled_wire, resting_state
 from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._prescribed import follow, resistance_of, total_strain
+from musclewire.wire._prescribed import prescribe, resistance_of, total_strain
 from musclewire.wire._row import Rows, WireConstants, WireState
 from musclewire.wire._step import RunningWire
 from musclewire.wire._stepping import (
@@ -133,7 +133,7 @@ def isobaric_rows(
     over = shakedown_of(of, np.inf)
     shown = np.empty((4, temperature_k.shape[0]))
     for point in range(temperature_k.shape[0]):
-        follow(wire, over, temperature_k[point], stress_pa)
+        prescribe(wire, over, temperature_k[point], stress_pa)
         martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
         shown[0, point] = total_strain(of, stress_pa, martensite, r_phase, temperature_k[point])
         shown[1, point] = resistance_of(of, stress_pa, martensite, r_phase, temperature_k[point], np.inf)

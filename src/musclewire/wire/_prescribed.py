@@ -12,7 +12,7 @@ from musclewire.wire._step import RunningWire, phases_at
 
 
 @compiled_inner
-def follow(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
+def prescribe(wire: RunningWire, shakedown: ShakedownEffects, temperature_k: float, stress_pa: float) -> None:
     """Apply a temperature and a stress to the phases of a wire, in place: its fronts and fractions change.
 
     References
@@ -43,7 +43,7 @@ def cool_from_hot(
     for row in range(state.front_austenite.shape[0]):
         state.front_austenite[row] = math.inf
         state.front_martensite[row] = math.inf
-    follow(wire, shakedown_of(k, math.inf), temperature_k, stress_pa)
+    prescribe(wire, shakedown_of(k, math.inf), temperature_k, stress_pa)
     martensite, r_phase = state.martensite_fraction, state.r_phase_fraction
     strain = strain_at(k, temperature_k, stress_pa, martensite, r_phase)
     resistance_ohm = resistance_at(k, shakedown_of(k, 0.0), strain, temperature_k, martensite, r_phase)

@@ -183,7 +183,7 @@ def owed_j(started: WireInstant, within: WireInstant, ended: WireInstant, step_s
 
 
 @compiled_inline
-def limited(rise: float, heat_j: float, low: float, high: float) -> float:
+def bounded_slope(rise: float, heat_j: float, low: float, high: float) -> float:
     """Return a rise over a heat, within limits: a load that jumps at hardly any heat makes it meaningless."""
     slope = rise / heat_j if abs(heat_j) > NO_HEAT_J else 0.0
     return min(max(slope, low), high)
@@ -205,10 +205,10 @@ def rises_over(
     moved = after.contraction - before.connector_contraction
     moved = moved if abs(moved) > MOVED else 0.0
     return HeatSlopes(
-        limited(after.temperature_k - before.temperature_k, heat_j, 0.0, k.per_capacity_k_per_j),
-        limited(after.stress_pa - before.stress_pa, heat_j, -pa_per_j, pa_per_j),
-        limited(moved, heat_j, -per_j, per_j),
-        limited(after.resistance_ohm - before.resistance_ohm, heat_j, -ohm_per_j, ohm_per_j),
+        bounded_slope(after.temperature_k - before.temperature_k, heat_j, 0.0, k.per_capacity_k_per_j),
+        bounded_slope(after.stress_pa - before.stress_pa, heat_j, -pa_per_j, pa_per_j),
+        bounded_slope(moved, heat_j, -per_j, per_j),
+        bounded_slope(after.resistance_ohm - before.resistance_ohm, heat_j, -ohm_per_j, ohm_per_j),
     )
 
 

@@ -211,8 +211,8 @@ class ContactDetector:
             places=places,
             signatures=signatures,
             responses=responses + gain[:, None] * shown,
-            overlaps=grown(state.overlaps) + innovation * shown / variance,
-            weights=grown(state.weights) + shown * shown / variance,
+            overlaps=shifted_candidates(state.overlaps) + innovation * shown / variance,
+            weights=shifted_candidates(state.weights) + shown * shown / variance,
             innovation=float(innovation / np.sqrt(variance)),
         )
         return self._scored(state)
@@ -259,6 +259,6 @@ class ContactDetector:
         )
 
 
-def grown(values: FloatArray) -> FloatArray:
+def shifted_candidates(values: FloatArray) -> FloatArray:
     """Return one number per candidate, with zeros for the new ones and without the oldest."""
     return np.append(values, np.zeros(PLACES_PER_SAMPLE))[-CANDIDATES:]

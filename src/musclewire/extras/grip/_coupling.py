@@ -130,7 +130,7 @@ def held_wire(
 
 
 @compiled_inline
-def beside(found: Equilibrium, contraction: float) -> float:
+def contraction_error(found: Equilibrium, contraction: float) -> float:
     """Return how far a wire ended away from the contraction at which it was held; a slack wire hangs where it likes."""
     return abs(found.wire.contraction - contraction) if found.wire.stress_pa > 0.0 else 0.0
 
@@ -220,7 +220,7 @@ def balance_connector(
         others = held_wire(second, other, other_guess, ratio * held, other_expected_n)
         pull, other_pull = pull_of(first, found), pull_of(second, others)
         after = balanced_contraction(first, two.pretension_n, pull, other_pull, (direction, ratio), held)
-        missed = max(beside(found, held), beside(others, ratio * held) * abs(ratio))
+        missed = max(contraction_error(found, held), contraction_error(others, ratio * held) * abs(ratio))
         narrow = high - low < 5.0 * margin
         close = max(abs(after - held), missed) < tolerance or narrow
         if not abs(after) < math.inf:  # no displacement balances the load

@@ -137,7 +137,7 @@ def grip(
             )  # fmt: skip
     figure.draw(partial(drawn, run, knowledge))
     answer = grip_answer(run, simulated, known, warn(run_warnings(run)))
-    error = missed(run, in_si("--tolerance", goal.tolerance))
+    error = tolerance_error(run, in_si("--tolerance", goal.tolerance))
     return Result(answer, grip_text(run, known), holds=run.held, error=error)
 
 
@@ -148,7 +148,7 @@ def drawn(run: GripRun, knowledge: GripperKnowledge, *, style: str) -> Axes:
     return plot_grip(run, knowledge, style=style)
 
 
-def missed(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
+def tolerance_error(run: GripRun, tolerance_n: float | None) -> MusclewireError | None:
     """Return by how much a held force misses its tolerance, or that no instrument shows it; else None."""
     if tolerance_n is None or not run.held:
         return None

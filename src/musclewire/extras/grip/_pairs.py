@@ -151,13 +151,13 @@ def instant_of_both(
 
 
 @compiled_inline
-def present(state: WireState) -> PredictedWire:
+def present_wire(state: WireState) -> PredictedWire:
     """Return a wire as it is."""
     return PredictedWire(state.temperature_k, state.resistance_ohm, state.stress_pa, state.connector_contraction)
 
 
 @compiled_inline
-def ahead(state: WireState, constants: StepConstants, half_j: float, heat_j: float) -> PredictedWire:
+def wire_ahead(state: WireState, constants: StepConstants, half_j: float, heat_j: float) -> PredictedWire:
     """Return a wire after some heat, by the slopes of the last step; ``half_j`` is half of the heat at its start."""
     middle = middle_of_step(state, constants, half_j)
     temperature_k, stress_pa = guess_after(state, middle, heat_j)
@@ -180,7 +180,7 @@ def net_w(instant: WireInstant) -> float:
 
 
 @compiled_inline
-def tried_of(
+def attempt_of_one(
     wire: RunningWire,
     found: Equilibrium,
     instants: tuple[WireInstant, WireInstant, WireInstant],
@@ -220,13 +220,13 @@ def attempt_both(
     """Return a step of both wires, solved at once as one is, which do not move yet; ``grip_n`` is that at the start."""
     first, second = wires
     first_half_j, second_half_j = 0.5 * step_s * net_w(began.first), 0.5 * step_s * net_w(began.second)
-    first_middle = ahead(first.state, first.constants, first_half_j, first_half_j)
-    second_middle = ahead(second.state, second.constants, second_half_j, second_half_j)
+    first_middle = wire_ahead(first.state, first.constants, first_half_j, first_half_j)
+    second_middle = wire_ahead(second.state, second.constants, second_half_j, second_half_j)
     within = instant_of_both(wires, setting, first_middle, second_middle)
     first_j = net_w(within.first) * step_s + first.state.carried_heat_j
     second_j = net_w(within.second) * step_s + second.state.carried_heat_j
-    first_end = ahead(first.state, first.constants, first_half_j, first_j)
-    second_end = ahead(second.state, second.constants, second_half_j, second_j)
+    first_end = wire_ahead(first.state, first.constants, first_half_j, first_j)
+    second_end = wire_ahead(second.state, second.constants, second_half_j, second_j)
     first_start = start_of(first.state, first.constants, first_j, first_end)
     second_start = start_of(second.state, second.constants, second_j, second_end)
     if setting.pair.direction != APART:
@@ -237,8 +237,8 @@ def attempt_both(
     of_first = (began.first, within.first, ended.first)
     of_second = (began.second, within.second, ended.second)
     return PairAttempt(
-        tried_of(first, joint.first, of_first, first_half_j, first_j, step_s, joined),
-        tried_of(second, joint.second, of_second, second_half_j, second_j, step_s, joined),
+        attempt_of_one(first, joint.first, of_first, first_half_j, first_j, step_s, joined),
+        attempt_of_one(second, joint.second, of_second, second_half_j, second_j, step_s, joined),
         joint,
         ended,
     )
@@ -364,7 +364,7 @@ def add_both(sums: FloatArray, step_s: float, before: AveragedQuantities, after:
 def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sums: FloatArray) -> None:
     """Advance both wires in place by a duration, and add up what is averaged over it, (7,)."""
     first, second = wires.first.state, wires.second.state
-    began = instant_of_both(wires, setting, present(first), present(second))
+    began = instant_of_both(wires, setting, present_wire(first), present_wire(second))
     seen = shown(wires, setting, began)
     fixed = plan[STEPS] > 0.0
     left_s = duration_s = plan[DURATION]

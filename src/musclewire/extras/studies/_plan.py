@@ -21,7 +21,7 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.studies._design import StudyDesign, design_of
 from musclewire.extras.studies._run_kind import RUN_KINDS, KindOptions, Quantity, RunKind
 from musclewire.extras.studies._study_file import StudyFile
-from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter, resolved
+from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter, parameter_of
 from musclewire.extras.studies._varied_rig import VariedKey, VariedRig, key_unit
 from musclewire.parameters import is_wire_file, validated
 from musclewire.rigs import RigConfiguration, simulated_configuration
@@ -94,8 +94,8 @@ def plan_of(file: StudyFile, where: str, folder: Path) -> Plan:
     rig = VariedRig(configuration, where, [name for name in file.parameters if name not in variable])
     keys = {**rig.keys, **{name: run_key(kind.options.model_fields[key], key) for name, key in variable.items()}}
     require_distinct(keys, where)
-    parameters = [placed(item, folder) for item in (
-        resolved(name, keys[name].unit, table) for name, table in file.parameters.items())]  # fmt: skip
+    parameters = [with_wire_files_found(item, folder) for item in (
+        parameter_of(name, keys[name].unit, table) for name, table in file.parameters.items())]  # fmt: skip
     design = sampled_design(file, parameters, where)
     first = dict(zip(design.names, design.rows(0, 1)[0], strict=True))
     options = validated(
@@ -103,7 +103,7 @@ def plan_of(file: StudyFile, where: str, folder: Path) -> Plan:
         files_found({**given, **{key: first[name] for name, key in variable.items()}}, folder),
         f"{where}: run",
     )
-    return Plan(file, rig, kind, options, kept(file, kind.quantities(options), where), design)
+    return Plan(file, rig, kind, options, kept_quantities(file, kind.quantities(options), where), design)
 
 
 def rig_of(file: StudyFile, where: str, folder: Path) -> RigConfiguration:
@@ -161,7 +161,7 @@ def require_distinct(keys: Mapping[str, VariedKey], where: str) -> None:
             raise CallerError(f"{where}: parameters.{same} and parameters.{name} are the same number: give one of them")
 
 
-def placed(item: GridAxis | SampledParameter, folder: Path) -> GridAxis | SampledParameter:
+def with_wire_files_found(item: GridAxis | SampledParameter, folder: Path) -> GridAxis | SampledParameter:
     """Return a parameter with the wire files among its values found next to the study's file."""
     if isinstance(item, SampledParameter) or item.unit:
         return item
@@ -194,7 +194,7 @@ def sampled_design(file: StudyFile, parameters: list[GridAxis | SampledParameter
         raise CallerError(f"{where}: {error}") from None
 
 
-def kept(file: StudyFile, quantities: Mapping[str, Quantity], where: str) -> dict[str, Quantity]:
+def kept_quantities(file: StudyFile, quantities: Mapping[str, Quantity], where: str) -> dict[str, Quantity]:
     """Return the quantities that a study keeps; by default every one that is a number."""
     given = file.run.get("keep")
     if given is None:

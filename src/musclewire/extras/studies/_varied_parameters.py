@@ -79,14 +79,14 @@ def quantile_function(where: str, spacing: str, given: Mapping[str, Any]) -> Cal
     """
     name = given.get("distribution", "log-uniform" if spacing == "log" else "uniform")
     numbers = {key: value for key, value in given.items() if key != "distribution"}
-    frozen = usual(where, name, numbers) if name in USUAL else of_scipy(where, name, numbers)
+    frozen = usual_distribution(where, name, numbers) if name in USUAL else of_scipy(where, name, numbers)
     # Outside of what a distribution allows, scipy returns NaN and raises nothing.
     if not np.isfinite(frozen.ppf([0.25, 0.5, 0.75])).all():
         raise CallerError(f"{where}: {numbers} make no distribution '{name}': see scipy.stats")
     return lambda probability: np.asarray(frozen.ppf(probability), dtype=np.float64)
 
 
-def usual(where: str, name: str, numbers: Mapping[str, Any]) -> Any:
+def usual_distribution(where: str, name: str, numbers: Mapping[str, Any]) -> Any:
     """Return a usual distribution. Raises CallerError for missing and unknown keys, and for ends out of order."""
     kind = USUAL[name]
     for key in numbers:
@@ -210,7 +210,7 @@ class SampledParameter(NamedTuple):
     quantile: Callable[[FloatArray], FloatArray]
 
 
-def resolved(name: str, unit: str, table: ParameterTable) -> GridAxis | SampledParameter:
+def parameter_of(name: str, unit: str, table: ParameterTable) -> GridAxis | SampledParameter:
     """Return a parameter, a grid axis or a distribution, from its table; its unit is "" for a name."""
     where = f"parameters.{name}"
     given = {key: value for key, value in table if value not in (None, {}) and key != "spacing"}

@@ -13,8 +13,8 @@ from musclewire.extras.studies._varied_parameters import (
     GridAxis,
     ParameterTable,
     SampledParameter,
+    parameter_of,
     quantile_function,
-    resolved,
 )
 
 # Of the standard normal distribution, as every table prints it.
@@ -73,18 +73,18 @@ def test_numbers_that_make_no_distribution_are_refused(given: dict[str, Any], wo
 
 def test_units_are_taken_off_and_a_difference_of_temperatures_needs_one() -> None:
     table = ParameterTable(distribution="normal", mean="22 degC", std="2 K")
-    found = resolved("ambient_temperature", "K", table)
+    found = parameter_of("ambient_temperature", "K", table)
     assert isinstance(found, SampledParameter)
     assert found.quantile(np.array([0.5]))[0] == pytest.approx(295.15)
     with pytest.raises(CallerError, match="difference of temperatures"):
-        resolved("ambient_temperature", "K", ParameterTable(distribution="normal", mean="22 degC", std="2 degC"))
+        parameter_of("ambient_temperature", "K", ParameterTable(distribution="normal", mean="22 degC", std="2 degC"))
 
 
 def test_points_are_an_axis_with_both_ends() -> None:
-    linear = resolved("pretension", "N", ParameterTable(low="1 N", high="2 N", points=3))
+    linear = parameter_of("pretension", "N", ParameterTable(low="1 N", high="2 N", points=3))
     assert isinstance(linear, GridAxis)
     assert linear.values == pytest.approx((1.0, 1.5, 2.0))
-    log = resolved("pretension", "N", ParameterTable(low=1.0, high=100.0, points=3, spacing="log"))
+    log = parameter_of("pretension", "N", ParameterTable(low=1.0, high=100.0, points=3, spacing="log"))
     assert isinstance(log, GridAxis)
     assert log.values == pytest.approx((1.0, 10.0, 100.0))
 
@@ -98,11 +98,11 @@ def test_points_are_an_axis_with_both_ends() -> None:
 )
 def test_keys_that_do_not_belong_together_are_refused(unit: str, table: dict[str, Any], words: str) -> None:
     with pytest.raises(CallerError, match=words):
-        resolved("x", unit, ParameterTable(**table))
+        parameter_of("x", unit, ParameterTable(**table))
 
 
 def test_a_prior_is_a_distribution_between_its_bounds() -> None:
-    found = resolved("martensite_temperature_k", "K", ParameterTable(prior="niti-wire"))
+    found = parameter_of("martensite_temperature_k", "K", ParameterTable(prior="niti-wire"))
     assert isinstance(found, SampledParameter)
     ends = found.quantile(np.array([1e-12, 1.0 - 1e-12]))
     from musclewire.parameters import load_priors

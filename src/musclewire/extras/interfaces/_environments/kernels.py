@@ -85,7 +85,7 @@ def drive_lanes(
 
 
 @compiled
-def converted(fact: Record, voltage_v: float, normal: float, place: tuple[int, int, int, int]) -> float:
+def converter_reading(fact: Record, voltage_v: float, normal: float, place: tuple[int, int, int, int]) -> float:
     """Return a voltage as the converter reads it: the mean of many readings with noise, rounded to steps."""
     step_v, noise_v, readings = fact["acquisition_step_v"], fact["acquisition_noise_v"], fact["acquisition_readings"]
     if noise_v >= MIN_DITHER_STEPS * step_v:
@@ -112,7 +112,7 @@ def read_lane(
     place = (kept["sample"], kept["episode"], lane, seed)
     # The readings of one channel one by one have streams of their own: those of the shunt follow the wire's.
     other = (kept["sample"], kept["episode"], lane, seed ^ -1)
-    wire_v, shunt_v = converted(fact, means[0], wire, place), converted(fact, means[1], shunt, other)
+    wire_v, shunt_v = converter_reading(fact, means[0], wire, place), converter_reading(fact, means[1], shunt, other)
     return (
         min(max(wire_v, -rule["wire_range_v"]), rule["wire_range_v"]),
         min(max(shunt_v, -rule["shunt_range_v"]), rule["shunt_range_v"]),

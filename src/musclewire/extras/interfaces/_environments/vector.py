@@ -123,7 +123,7 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._seed, self._level_of_sample = 0, self._episode.level_of_sample(period_s)
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.single_observation_space = observation_space(widest(wires), self._episode, known)
+        self.single_observation_space = observation_space(widest_limits(wires), self._episode, known)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._observed = np.zeros((num_envs, *(self.single_observation_space.shape or ())))
 
@@ -292,7 +292,7 @@ def facts_of(wire: SimulatedWire) -> NDArray[np.void]:
     return facts
 
 
-def widest(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
+def widest_limits(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
     """Return limits with the largest numbers of all rigs: what any of them may show is within."""
     columns = zip(*(wire.limits for wire in wires), strict=True)
     return ProtectionLimits(*(max(column) for column in columns))

@@ -130,7 +130,7 @@ def wire_variables(
             "resistance_tolerance": {"start": stepping.resistance},
             "strain_tolerance": {"start": stepping.strain},
         }
-    ).and_also((*parameters(constants), *shown(constants)))
+    ).and_also((*parameters(constants), *derived_parameters(constants)))
     fixed = tuple(variable.name for variable in whole.ordered if variable.role == "fixed")
     at_rest = {one.name: {"starts_with": (*fixed, *one.starts_with)} for one in whole.ordered if one.role == "output"}
     return whole.changed(at_rest)
@@ -154,7 +154,7 @@ def parameter(item: Field, value: float, minimum: float, maximum: float) -> FmuV
     return FmuVariable(item.name, "fixed", item.meaning, unit_of(item), start=value, minimum=minimum, maximum=maximum)
 
 
-def shown(constants: WireConstants) -> Iterator[FmuVariable]:
+def derived_parameters(constants: WireConstants) -> Iterator[FmuVariable]:
     """Yield the numbers of the wire that follow from its geometry: they are shown and cannot be changed."""
     for item in WireConstants.fields:
         if item.name in SHOWN:
@@ -185,7 +185,7 @@ def wire_header(constants: WireConstants) -> str:
         "#ifndef MW_WIRE_NUMBERS_H",
         "#define MW_WIRE_NUMBERS_H",
         "",
-        *(f"#define MW_{name} {value}" for name, value in defined(constants).items()),
+        *(f"#define MW_{name} {value}" for name, value in shared_numbers(constants).items()),
         "",
         *structure("mw_wire_constants", "What does not change while a wire runs.", WireConstants),
         *structure("mw_step_constants", "What a step reads, derived from it.", StepConstants),
@@ -198,7 +198,7 @@ def wire_header(constants: WireConstants) -> str:
     return "\n".join(lines)
 
 
-def defined(constants: WireConstants) -> dict[str, str | int]:
+def shared_numbers(constants: WireConstants) -> dict[str, str | int]:
     """Return the numbers that all wires share, and the lengths of a wire's tables."""
     return {
         "REFERENCE_TEMPERATURE_K": literal(REFERENCE_TEMPERATURE_K),
