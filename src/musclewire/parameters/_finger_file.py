@@ -1,20 +1,4 @@
-"""A file that describes one tendon-driven finger: its geometry, and its response to a pull at the tendon.
-
-format = "musclewire-finger"
-version = 1
-name = "my-finger"
-description = "..."
-
-[geometry.beam_thickness_m]             the inputs of the computation, each number as in all parameter files
-value = 0.0002
-unit = "m"
-kind = "assumed"
-source = "..."
-
-[curve]                                 columns over the same, evenly spaced tendon travels from 0
-tendon_travel_m = [0.0, ...]
-...
-"""
+"""A file that describes one tendon-driven finger: its geometry, and its response to a pull at the tendon."""
 
 from __future__ import annotations
 

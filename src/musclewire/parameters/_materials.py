@@ -1,19 +1,4 @@
-"""Materials of flexures: those that ship with musclewire, by name, and the user's own, by file.
-
-format = "musclewire-material"
-version = 1
-name = "my-sheet"
-description = "..."
-
-[youngs_modulus_pa]                     each number as in all parameter files
-value = 2.6e9
-unit = "Pa"
-kind = "measured"
-source = "bending test of a strip"
-...
-[minimum_thickness_m.laser-cut]         the thinnest flexure that each process makes, at least one
-...
-"""
+"""Materials of flexures: those that ship with musclewire (``data/materials``), by name, and the user's own, by file."""
 
 from __future__ import annotations
 

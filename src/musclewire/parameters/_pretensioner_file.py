@@ -1,17 +1,6 @@
 """A file that describes one designed pretensioner: its dimensions, its material, and the computed properties.
 
-format = "musclewire-pretensioner"
-version = 1
-material = "pom"                        by name, or the path of a material file
-process = "laser-cut"
-
-[geometry]
-beams = 4
-half_length_m = 0.01172
-...
-
-[computed.stiffness_n_per_m]            for rigs and readers; a design computes it again from the dimensions
-...
+What is computed is there for rigs and readers; a design computes it again from the dimensions.
 """
 
 from __future__ import annotations

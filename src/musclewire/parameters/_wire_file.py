@@ -1,29 +1,8 @@
 """A file that describes one wire: its own numbers, its alloy, and the known numbers of the bench it was measured on.
 
-format = "musclewire-wire"
-version = 1
-name = "my-spool"
-description = "..."
-
-[wire.diameter_m]                       all numbers of a wire, each as in the parameter files of musclewire
-value = 0.0001
-unit = "m"
-kind = "measured"
-source = "caliper"
-
-[alloy.martensite_temperature_k]        all numbers of an alloy
-...
-[alloy.grain_quantiles]                 and, if they were measured, quantiles of its grains
-fraction = [0.0, 0.5, 1.0]
-offset = [-5.0, 0.0, 5.0]
-kind = "measured"
-source = "an isobar"
-[alloy.validity.stress]                 the stresses and temperatures that the alloy's data cover (low, high), the
-low = 45e6                              vendor's working_stress and the annealing_temperature (value): all four or none
-high = 220e6
-...
-[bench.guide_friction_n]                those of a bench that are known, if any
-...
+All numbers of ``[wire.NAME]`` and ``[alloy.NAME]``, and of ``[bench.NAME]`` those that are known, are as in the
+parameter files of musclewire. ``[alloy.grain_quantiles]`` is there if they were measured; of ``[alloy.validity]`` all
+four tables or none.
 """
 
 from __future__ import annotations
