@@ -34,53 +34,21 @@ SERVER_ENDED = "the end of the server"
 
 @dataclass(frozen=True)
 class BenchSettings:
-    """How a bench's process is started.
+    """How a bench's process is started."""
 
-    Parameters
-    ----------
-    identifier
-        The bench's name in addresses and messages.
-    rig
-        Name of a rig or path of a rig file, from the command line and from nowhere else.
-    folder
-        Where recordings and models go; it exists.
-    seed
-        Seed of a simulated rig.
-    cpu
-        Core that the process is pinned to.
-    priority
-        Whether it takes real-time priority.
-    max_silence_s
-        A run that heats ends if whoever has control gives no sign for this long [s]: with it the wire is safe within a
-        second of a lost connection. A test that is not about this gives more, since a busy machine starves it.
-    """
-
-    identifier: str
-    rig: str
-    folder: Path
+    identifier: str  # the bench's name in addresses and messages
+    rig: str  # name, or path of a rig file, from the command line and from nowhere else
+    folder: Path  # where recordings and models go; it exists
     seed: int | None = None
-    cpu: int | None = None
+    cpu: int | None = None  # core that the process is pinned to
     priority: bool = False
+    # A run that heats ends if whoever has control gives no sign for this long: with it the wire is safe within a second
+    # of a lost connection. A test that is not about this gives more, since a busy machine starves it.
     max_silence_s: float = LEASE_S
 
 
 class BenchHandle:
-    """One bench as the server sees it. All methods are called from the event loop's thread.
-
-    Parameters
-    ----------
-    settings
-        What to start.
-
-    Attributes
-    ----------
-    state
-        The last snapshot of the bench's state, ready for JSON.
-    revision
-        Its number; it grows with every change.
-    on_change
-        Called after each change.
-    """
+    """One bench as the server sees it. All methods are called from the event loop's thread."""
 
     def __init__(self, settings: BenchSettings) -> None:
         """Start nothing yet."""
@@ -162,19 +130,7 @@ class BenchHandle:
             self._ring = None
 
     async def command(self, command: Command, stops_before: int | None = None) -> Answer:
-        """Pass on a command.
-
-        Parameters
-        ----------
-        command
-            The command, read by ``read_command``.
-        stops_before
-            What ``stops`` was when the command arrived, if that was earlier. After a later stop it is not passed on.
-
-        Returns
-        -------
-        Whether it has begun; if not, why, in one line.
-        """
+        """Pass on a command, unless there was a stop after the count ``stops_before``; return whether it has begun."""
         if command.do == "stop":
             self.stop("whoever is at the page")
             return Answer(True)
@@ -194,19 +150,12 @@ class BenchHandle:
             self._answers.pop(number, None)
 
     def stop(self, who: str) -> asyncio.Future[None]:
-        """Order the drive off, now.
+        """Order the drive off, now; the future is done when it is confirmed or the process has ended.
+
+        Not to be cancelled.
 
         A process that does not confirm within a second, because it is frozen or hangs, is ended: by SIGTERM, and half a
         second later by force. One that has only just been started has no rig yet and is waited for.
-
-        Parameters
-        ----------
-        who
-            Whoever stops; the first one stays the reason.
-
-        Returns
-        -------
-        Done when the process has confirmed that the drive is off, or has ended. Not to be cancelled.
         """
         self.stops += 1
         confirmation: asyncio.Future[None] = asyncio.get_running_loop().create_future()

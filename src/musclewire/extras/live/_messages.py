@@ -200,21 +200,9 @@ class Answer(NamedTuple):
 
 
 def read_command(data: object) -> Command:
-    """Return a command from decoded JSON.
+    """Return a command from decoded JSON, an object with the key ``do`` and the command's own keys.
 
-    Parameters
-    ----------
-    data
-        An object with the key ``do`` and the command's own keys.
-
-    Returns
-    -------
-    The command.
-
-    Raises
-    ------
-    CallerError
-        For an unknown command, an unknown or missing key, and a value out of its range.
+    Raises CallerError for an unknown command, an unknown or missing key, and a value out of its range.
     """
     try:
         return COMMANDS.validate_python(data)

@@ -42,13 +42,7 @@ def create_ring(path: Path) -> None:
 
 
 class RowRing:
-    """An end of a ring.
-
-    Parameters
-    ----------
-    path
-        Its file, made by :func:`create_ring`; the writer and each reader open it.
-    """
+    """An end of a ring, whose file :func:`create_ring` makes."""
 
     def __init__(self, path: Path) -> None:
         """Map the file into memory."""
@@ -84,18 +78,9 @@ class RowRing:
         self._pack_count(self._memory, 0, self._written)
 
     def read(self, cursor: int, most: int = SLOTS // 2) -> tuple[int, list[RingRows], int]:
-        """Return the rows after a cursor.
+        """Return the next cursor, the rows after a cursor, those of one layout together, and how many rows were lost.
 
-        Parameters
-        ----------
-        cursor
-            How many rows were written when it was read last; below 0 for none of those that are there.
-        most
-            How many rows are returned at most; of more, the newest.
-
-        Returns
-        -------
-        The next cursor, the rows, those of one layout in a row together, and how many rows were lost.
+        A cursor below 0 stands for none of the rows that are there; of more than ``most`` rows the newest are returned.
         """
         written = self.written
         if cursor < 0 or cursor > written:

@@ -13,8 +13,8 @@ PING_S = 0.15
 class ListeningClock:
     """Seconds in which this process listened.
 
-    A process that got no processor for a second has asked nobody in that second and got no answer: it knows nothing of
-    their silence. So the time between two looks counts for ``PING_S`` at most; who is gone stays silent afterwards.
+    A process that got no processor for a second has asked nobody in that second and knows nothing of their silence: the
+    time between two looks counts for ``PING_S`` at most, and who is gone stays silent afterwards.
     """
 
     def __init__(self) -> None:

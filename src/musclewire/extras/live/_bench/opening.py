@@ -29,16 +29,9 @@ def show_off(session: BenchSession) -> None:
 
 
 def switch_on(session: BenchSession, stops_before: int) -> None:
-    """Open the session's rig and sense, unless there was a stop after the order to do so.
+    """Open the session's rig and sense, unless there was a stop after the order was read; the rig stays off then.
 
-    Raises MusclewireError as ``open_rig`` does, and CallerError after a stop; the rig stays off then.
-
-    Parameters
-    ----------
-    session
-        The session.
-    stops_before
-        How many stops there had been when the order was read.
+    Raises MusclewireError as ``open_rig`` does, and CallerError after a stop.
     """
     if session.rig is not None:
         session.rig.close()

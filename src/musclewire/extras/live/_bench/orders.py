@@ -43,17 +43,7 @@ class NumberedOrder:
 
 
 class OrderQueue:
-    """The queue of a session, and the threads that fill it and watch.
-
-    Parameters
-    ----------
-    session
-        The session.
-    source
-        Messages from the server.
-    outbox
-        Messages to the server.
-    """
+    """The queue of a session, and the threads that fill it and watch."""
 
     def __init__(self, session: BenchSession, source: IO[bytes], outbox: MessageWriter) -> None:
         """Start both threads."""

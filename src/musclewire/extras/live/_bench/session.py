@@ -57,23 +57,11 @@ class SessionFindings:
 
 @dataclass
 class BenchSession:
-    """A bench in operation.
+    """A bench in operation."""
 
-    Parameters
-    ----------
-    name
-        Name of the rig, or path of its rig file, as the command line gave it.
-    folder
-        Where recordings and models go.
-    shown
-        The state that pages see.
-    ring
-        Where rows go.
-    """
-
-    name: str
+    name: str  # of the rig, or path of its rig file, as the command line gave it
     folder: Path
-    shown: PublishedState
+    shown: PublishedState  # what pages see
     ring: RowRing
     seed: int | None = None
     # A run that heats ends when whoever has control gives no sign for so long.

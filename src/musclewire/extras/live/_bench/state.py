@@ -44,15 +44,7 @@ class BenchState:
 
 
 class PublishedState:
-    """The state, changed from any thread; each change is sent.
-
-    Parameters
-    ----------
-    bench
-        Name of the bench.
-    send
-        Takes a snapshot; called with the lock held, so that snapshots leave in the order of their revisions.
-    """
+    """The state, changed from any thread; each change is sent with the lock held, so that snapshots leave in order."""
 
     def __init__(self, bench: str, send: Callable[[dict[str, Any]], None]) -> None:
         """Begin with nothing known."""

@@ -37,21 +37,11 @@ class RequestOutcome(Enum):
 
 @dataclass
 class ControlClient:
-    """Somebody who has control or asks for it.
+    """Somebody who has control or asks for it."""
 
-    Parameters
-    ----------
-    key
-        What they are recognised by: a secret, never sent to others.
-    name
-        What others see.
-    seen_s
-        When they last gave a sign [s].
-    """
-
-    key: str
-    name: str
-    seen_s: float
+    key: str  # what they are recognised by: a secret, never sent to others
+    name: str  # what others see
+    seen_s: float  # when they last gave a sign
 
     def is_there(self, now_s: float, lease_s: float = LEASE_S) -> bool:
         """Return whether they gave a sign recently enough."""
@@ -197,21 +187,12 @@ def is_address(name: str) -> bool:
 
 @dataclass(frozen=True)
 class Access:
-    """Who may talk to this server.
+    """Who may talk to this server."""
 
-    Parameters
-    ----------
-    token
-        What everybody must show; None if the server can be reached from this machine only.
-    names
-        The server's own names, in small letters. Loopback addresses and localhost are always among them.
-    any_address
-        Whether it may also be called by any address: true if it listens beyond this machine.
-    """
-
-    token: str | None = None
+    token: str | None = None  # what everybody must show; None if the server can be reached from this machine only
+    # The server's own in small letters; loopback addresses and localhost are always among them.
     names: frozenset[str] = frozenset()
-    any_address: bool = False
+    any_address: bool = False  # may be called by any address: true if it listens beyond this machine
 
     def host_is_ours(self, host: str | None) -> bool:
         """Return whether a Host header names this server."""

@@ -58,17 +58,7 @@ async def live(websocket: WebSocket) -> None:
 
 
 class ViewerConnection:
-    """A viewer's connection.
-
-    Parameters
-    ----------
-    websocket
-        Accepted.
-    session
-        What it shows.
-    viewer
-        Who is at its other end.
-    """
+    """A viewer's connection, accepted."""
 
     def __init__(self, websocket: WebSocket, session: Session, viewer: Viewer) -> None:
         """Take the parts."""

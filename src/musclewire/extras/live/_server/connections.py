@@ -52,14 +52,8 @@ class Connection:
 class Connections:
     """The connections of a server: noting one takes the same time however many there are.
 
-    All times are of one clock, given by the caller.
-
-    Parameters
-    ----------
-    most
-        How many there may be.
-    is_kept
-        Returns whether somebody at a place, or with a lease, is kept: at an open page, with control or asking for it.
+    All times are of one clock, given by the caller. ``is_kept`` says whether somebody at a place, or with a lease, is
+    kept: at an open page, with control or asking for it.
     """
 
     def __init__(self, most: int, is_kept: Callable[[Any, str | None], bool]) -> None:
@@ -185,13 +179,7 @@ class Turns:
 
 
 class WatchedProtocol(H11Protocol):
-    """HTTP on one connection, whose end is noted, also when it has become a WebSocket.
-
-    Parameters
-    ----------
-    connections
-        Where it is noted.
-    """
+    """HTTP on one connection, whose end is noted, also when it has become a WebSocket."""
 
     def __init__(self, connections: Connections, **given: Any) -> None:
         """Take what uvicorn gives its own protocol, and where to note the end."""
@@ -206,13 +194,7 @@ class WatchedProtocol(H11Protocol):
 
 
 class WatchedSocket(WebSocketsSansIOProtocol):
-    """A WebSocket, whose end is noted.
-
-    Parameters
-    ----------
-    connections
-        Where it is noted.
-    """
+    """A WebSocket, whose end is noted."""
 
     def __init__(self, connections: Connections, **given: Any) -> None:
         """Take what uvicorn gives its own protocol, and where to note the end."""
@@ -226,17 +208,7 @@ class WatchedSocket(WebSocketsSansIOProtocol):
 
 
 class FirstBytes(asyncio.Protocol):
-    """A connection before its first bytes: a stop is read as HTTP at once, everything else when it is its turn.
-
-    Parameters
-    ----------
-    connections
-        Where it is noted.
-    turns
-        Who else waits.
-    http
-        Returns the protocol that takes over.
-    """
+    """A connection before its first bytes: a stop is read as HTTP at once, everything else when it is its turn."""
 
     def __init__(self, connections: Connections, turns: Turns, http: Callable[[], asyncio.Protocol]) -> None:
         """Take the parts."""

@@ -70,15 +70,7 @@ def cells_of(rules: Any, row: int, column: int) -> dict[str, str]:
 
 
 class FiredRules:
-    """Follows the rows of a fuzzy PID and knows the inputs of its rules.
-
-    Parameters
-    ----------
-    settings
-        Settings of the controller.
-    sample_period_s
-        Time [s] between two samples.
-    """
+    """Follows the rows of a fuzzy PID and knows the inputs of its rules."""
 
     def __init__(self, settings: FuzzyPidSettings, sample_period_s: float) -> None:
         """Make the controller whose rules they are; nothing is known before the first row."""

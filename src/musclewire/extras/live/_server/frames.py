@@ -68,11 +68,10 @@ def shunt_of(state: Mapping[str, Any]) -> float:
 
 
 def thinned(time_s: FloatArray, spacing_s: float, last_time_s: float) -> FloatArray:
-    """Return which rows are kept: the first in each interval of ``spacing_s`` [s], as True, shape (n_rows,).
+    """Return which rows are kept: the first in each interval of ``spacing_s``, as True, shape (n_rows,).
 
-    The intervals are those of the clock, so what is kept does not depend on how rows come in portions; ``last_time_s``
-    is the time [s] of the last row before these. Half a microsecond is added, so that rounding cannot move a row of a
-    period that divides the interval into the one before.
+    The intervals are the clock's, so that portions of rows do not matter; ``last_time_s`` is that of the row before
+    these. Half a microsecond is added against rounding, as of a period that divides the interval.
     """
     intervals = np.floor((np.concatenate(([last_time_s], time_s)) + 5e-7) / spacing_s)
     kept: FloatArray = intervals[1:] != intervals[:-1]

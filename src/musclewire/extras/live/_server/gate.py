@@ -66,20 +66,7 @@ class Refusal(NamedTuple):
 class Gate:
     """ASGI middleware around the whole application.
 
-    Parameters
-    ----------
-    app
-        The application.
-    access
-        Who may talk to it.
-    cookie
-        Name of the cookie that keeps the token.
-    connections
-        Where it is noted which of them have shown a valid request.
-    turns
-        Who waits; a stop and who is kept do not.
-    stops
-        Returns how many stops each bench has had: a request that passes comes after them, before its body does.
+    ``stops`` returns how many stops each bench has had: a request that passes comes after them, before its body does.
     """
 
     def __init__(

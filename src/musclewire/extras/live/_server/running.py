@@ -46,18 +46,10 @@ CLOSE_S, LOOK_S = 2.0, 0.5
 
 @dataclass(frozen=True)
 class ListenAddress:
-    """Where a server listens.
+    """Where a server listens."""
 
-    Parameters
-    ----------
-    host
-        Name or address of the interface.
-    port
-        Its port; 0 for any that is free.
-    """
-
-    host: str = "127.0.0.1"
-    port: int = 8765
+    host: str = "127.0.0.1"  # name or address of the interface
+    port: int = 8765  # 0 for any that is free
 
     @property
     def is_local(self) -> bool:
@@ -73,24 +65,12 @@ class ListenAddress:
 
 @dataclass(frozen=True)
 class ServerSettings:
-    """How a session is served.
-
-    Parameters
-    ----------
-    folder
-        The session's folder.
-    address
-        Where the server listens; loopback by default.
-    token
-        What everybody must show; None for nothing, on loopback only.
-    cpu
-        Core of the loop, which the server then leaves to it; None if it has none of its own.
-    """
+    """How a session is served."""
 
     folder: Path
     address: ListenAddress = field(default_factory=ListenAddress)
-    token: str | None = None
-    cpu: int | None = None
+    token: str | None = None  # what everybody must show; None for nothing, on loopback only
+    cpu: int | None = None  # core of the loop, which the server then leaves to it; None if it has none of its own
 
     def __post_init__(self) -> None:
         """Refuse to listen beyond this machine without a token."""
@@ -109,17 +89,7 @@ class RunningServer:
 
 
 class Server(uvicorn.Server):
-    """The server of uvicorn, which leaves signals to us: on one, the rigs come first; and which connections it takes.
-
-    Parameters
-    ----------
-    config
-        How it runs.
-    connections
-        Where they are noted.
-    turns
-        Requests and new connections that wait for their turn.
-    """
+    """The server of uvicorn, which leaves signals to us, as the rigs come first, and accepts by a rule of ours."""
 
     def __init__(self, config: uvicorn.Config, connections: Connections, turns: Turns) -> None:
         """Take them."""
@@ -170,23 +140,8 @@ async def serve(
 ) -> signal.Signals | None:
     """Serve a session until it is to end; then every rig is safe and its process has ended.
 
-    Parameters
-    ----------
-    handles
-        The benches, not started.
-    settings
-        Where and how.
-    on_ready
-        Called once the page can be opened.
-
-    Returns
-    -------
-    The signal that ended it, or None.
-
-    Raises
-    ------
-    CallerError
-        If nothing can listen there.
+    ``on_ready`` is called once the page can be opened; returned is the signal that ended the session, or None. Raises
+    CallerError if nothing can listen there.
     """
     with noted_signals() as ended:
         await serve_until(ended, handles, settings, on_ready)

@@ -36,13 +36,7 @@ ORDERED = "the drive is being switched off; the state says when it is"
 
 
 class OnlineBench:
-    """A bench with what the server knows of it.
-
-    Parameters
-    ----------
-    handle
-        The server's end of its process.
-    """
+    """A bench with what the server knows of it."""
 
     def __init__(self, handle: BenchHandle) -> None:
         """Begin without holder, viewers and rows."""
@@ -94,17 +88,7 @@ class OnlineBench:
 
 
 class Session:
-    """The benches of a session and everybody who is connected to them.
-
-    Parameters
-    ----------
-    handles
-        The benches, not started.
-    folder
-        The session's folder, with its recordings and models.
-    token_needed
-        Whether viewers have shown a token.
-    """
+    """The benches of a session, not started, and everybody who is connected to them."""
 
     def __init__(self, handles: Sequence[BenchHandle], folder: Path, *, token_needed: bool = False) -> None:
         """Begin without viewers; benches are started by ``start``."""

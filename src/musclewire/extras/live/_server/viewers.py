@@ -18,17 +18,7 @@ class ViewerTooSlowError(Exception):
 
 
 class Viewer:
-    """One who watches.
-
-    Parameters
-    ----------
-    key
-        Their secret, by which they have control.
-    name
-        What others see until they give a name of their own.
-    place
-        Address and port of their connection; None if it has none.
-    """
+    """One who watches; by their ``key``, a secret, they have control."""
 
     def __init__(self, key: str, name: str, place: tuple[str, int] | None = None) -> None:
         """Begin with nothing to send."""
