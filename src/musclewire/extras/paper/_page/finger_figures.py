@@ -40,17 +40,7 @@ ARC_POINTS = 12
 
 
 def fig13a(_runs: RunCache) -> Figure:
-    """Draw one finger pulled in several ways, each to the end of its range.
-
-    Parameters
-    ----------
-    _runs
-        Not used: the figure is drawn from the design alone.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw one finger pulled in several ways, each to the end of its range, from the design alone."""
     from musclewire_design import finger_geometry, finger_shape
 
     figure, axes = one_panel()
@@ -68,17 +58,7 @@ def fig13a(_runs: RunCache) -> Figure:
 
 
 def fig14(_runs: RunCache) -> Figure:
-    """Draw the designed pretensioner in its envelope, and both forces over the connector's travel.
-
-    Parameters
-    ----------
-    _runs
-        Not used: the figure is drawn from the design alone.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the designed pretensioner in its envelope, and both forces over the connector's travel."""
     figure = Figure(figsize=SIZE, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.2))
     made, paper = paper_pretensioner(), read_published("lan_fan_2010")
@@ -136,17 +116,7 @@ def box(left: float, bottom: float, width: float, height: float) -> Any:
 
 
 def fig15(runs: RunCache) -> Figure:
-    """Draw how the tendon's zero is found: force of the cold wire over the position of Linear Stage 2.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw how the tendon's zero is found: force of the cold wire over the position of Linear Stage 2."""
     figure, axes = one_panel()
     found = runs.finger.tendon_zero
     place, zero = -1e6 * found.positions_m, -1e6 * found.slack_m
@@ -173,17 +143,7 @@ def loop_lines(axes: Axes, loop: SlowSineLoop, shade: str, label: str, width: fl
 
 
 def fig16(runs: RunCache) -> Figure:
-    """Draw endpoint displacement over resistance for several pretensions.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw endpoint displacement over resistance for several pretensions."""
     figure, axes = one_panel()
     for force, shade in zip(SHOWN_N, ramp(len(SHOWN_N)), strict=True):
         loop = runs.finger.loop(force)
@@ -201,17 +161,7 @@ def fig16(runs: RunCache) -> Figure:
 
 
 def fig17(runs: RunCache) -> Figure:
-    """Draw displacement and force gap over pretension, for the finger's own spool and the common one.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw displacement and force gap over pretension, for the finger's own spool and the common one."""
     figure, axes = one_panel()
     printed = read_published("lan_fan_2010")["displacement_gap"]
     axes.plot(SWEEP_N, gaps_over_pretension(runs, FINGER_WIRE), "o-", color=COOLING,
@@ -232,17 +182,7 @@ def fig17(runs: RunCache) -> Figure:
 
 
 def fig18(runs: RunCache) -> Figure:
-    """Draw the finger's staircase: desired, from resistance, laser.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the finger's staircase: desired, from resistance, laser."""
     figure, axes = one_panel()
     run = runs.finger.control_run
     time_s = elapsed(run)
@@ -258,17 +198,7 @@ def fig18(runs: RunCache) -> Figure:
 
 
 def table3(runs: RunCache) -> Figure:
-    """Draw the MAE of each step of the finger's staircase next to the paper's.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the MAE of each step of the finger's staircase next to the paper's."""
     figure = Figure(figsize=SIZE, layout="constrained")
     axes = figure.subplots()
     table, metrics = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics

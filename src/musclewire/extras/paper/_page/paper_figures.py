@@ -62,17 +62,7 @@ def drawn(subject: str, runs: RunCache) -> str:
 
 
 def fig3a(runs: RunCache) -> Figure:
-    """Draw strain against voltage for the three amplitudes.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw strain against voltage for the three amplitudes."""
     figure, axes = one_panel()
     for volts, shade in zip(read_published("lan_fan_2010")["setup"]["amplitude_v"], SHADES, strict=True):
         loop = loop_of_amplitude(runs, volts)
@@ -86,17 +76,7 @@ def fig3a(runs: RunCache) -> Figure:
 
 
 def fig3b(runs: RunCache) -> Figure:
-    """Draw strain against resistance with A, B, C and the printed fraction of B to C.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw strain against resistance with A, B, C and the printed fraction of B to C."""
     figure, axes = one_panel()
     amplitudes = read_published("lan_fan_2010")["setup"]["amplitude_v"]
     for volts, shade in zip(amplitudes[1:], SHADES[1:], strict=True):
@@ -155,34 +135,14 @@ def pretension_figure(runs: RunCache, quantity: str, factor: float, printed: dic
 
 
 def fig4(runs: RunCache) -> Figure:
-    """Draw strain against resistance over pretension.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw strain against resistance over pretension."""
     paper = read_published("lan_fan_2010")["strain_gap_125um"]
     printed = dict(zip(paper["pretension_n"], paper["strain_gap_pct"], strict=True))
     return pretension_figure(runs, "strain", 100.0, printed, "strain [%]")
 
 
 def fig5(runs: RunCache) -> Figure:
-    """Draw contraction force against resistance over pretension.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw contraction force against resistance over pretension."""
     paper = read_published("lan_fan_2010")["force_gap_125um"]
     return pretension_figure(
         runs, "force", 1.0, {paper["pretension_n"]: paper["force_gap_pct"]}, "contraction force [N]"
@@ -216,17 +176,7 @@ def gap_figure(runs: RunCache, quantity: str, printed: Sequence[tuple[str, float
 
 
 def fig6a(runs: RunCache) -> Figure:
-    """Draw strain gap against force ratio.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw strain gap against force ratio."""
     paper = read_published("lan_fan_2010")
     main, swept = paper["loop_100um"], paper["strain_gap_125um"]
     printed = [("paper-100um", main["pretension_n"], main["strain_gap_pct"])]
@@ -240,17 +190,7 @@ def fig6a(runs: RunCache) -> Figure:
 
 
 def fig6b(runs: RunCache) -> Figure:
-    """Draw force gap against force ratio.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw force gap against force ratio."""
     paper = read_published("lan_fan_2010")["force_gap_125um"]
     return gap_figure(runs, "force", [("paper-125um", paper["pretension_n"], paper["force_gap_pct"])])
 
@@ -268,47 +208,17 @@ def stiffness_figure(runs: RunCache, quantity: str, factor: float, ylabel: str) 
 
 
 def fig7(runs: RunCache) -> Figure:
-    """Draw strain against resistance with three springs.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw strain against resistance with three springs."""
     return stiffness_figure(runs, "strain", 100.0, "strain [%]")
 
 
 def fig8(runs: RunCache) -> Figure:
-    """Draw contraction force against resistance with three springs.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw contraction force against resistance with three springs."""
     return stiffness_figure(runs, "force", 1.0, "contraction force [N]")
 
 
 def fig9(runs: RunCache) -> Figure:
-    """Draw the loop from B to C with its polynomials, R_min, R_max and Table 2's twelve strains.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the loop from B to C with its polynomials, R_min, R_max and Table 2's twelve strains."""
     figure, axes = one_panel()
     model, paper = runs.model, read_published("lan_fan_2010")
     segments = runs.main_loop().gaps.segments
@@ -331,17 +241,7 @@ def fig9(runs: RunCache) -> Figure:
 
 
 def table2(runs: RunCache) -> Figure:
-    """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw how far our branches are from the twelve printed strains, and the MAE of each step next to the paper's."""
     figure = Figure(figsize=(SIZE[0], 5.8), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     table = read_published("lan_fan_2010")["table2"]
@@ -376,17 +276,7 @@ def table2(runs: RunCache) -> Figure:
 
 
 def fig11(runs: RunCache) -> Figure:
-    """Draw the staircase: the desired strains that the paper prints, estimate, and displacement sensor.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the staircase: the desired strains that the paper prints, estimate, and displacement sensor."""
     figure, axes = one_panel()
     run = runs.control_run
     time_s = elapsed(run)
@@ -400,17 +290,7 @@ def fig11(runs: RunCache) -> Figure:
 
 
 def fig12(runs: RunCache) -> Figure:
-    """Draw the trace of the staircase over the loop it was fitted to.
-
-    Parameters
-    ----------
-    runs
-        Source of recordings; what is not there yet is made.
-
-    Returns
-    -------
-    The figure.
-    """
+    """Draw the trace of the staircase over the loop it was fitted to."""
     figure, axes = one_panel()
     loop, run = runs.main_loop(), runs.control_run
     draw_loop(axes, loop, "strain", 100.0, (HEATING, COOLING), ("loop, heating", "loop, cooling"), linewidth=1.1)

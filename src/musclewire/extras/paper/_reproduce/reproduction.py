@@ -52,27 +52,10 @@ class SeedNumbers:
 def numbers_of_seeds(
     checks: Sequence[PaperCheck], seeds: tuple[int, ...], *, workers: int, watching: SeedCallbacks
 ) -> SeedNumbers:
-    """Measure checks on several seeds, those that no seed changes once.
+    """Measure checks on several seeds, all different, and those that no seed changes once.
 
-    Parameters
-    ----------
-    checks
-        The checks.
-    seeds
-        The seeds, at least one, all different.
-    workers
-        Number of processes for all seeds but the first, which is measured here: figures are drawn of its runs.
-    watching
-        Callbacks for progress, which may stop it.
-
-    Returns
-    -------
-    Number or problem of each check for each seed.
-
-    Raises
-    ------
-    NumericsError
-        If another process has died, or met an error in the code.
+    The first seed is measured in this process, as figures are drawn of its runs. Raises NumericsError if another
+    process has died, or met an error in the code.
     """
     seedless = SeedlessRuns()
     fixed = {}

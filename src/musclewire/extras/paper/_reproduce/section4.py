@@ -108,14 +108,7 @@ def reach_mm(runs: RunCache) -> float:
 def eq8_error_n(runs: RunCache) -> float:
     """Return the rms difference of the load cell from Eq. 8 with the finger's own curve [N].
 
-    Parameters
-    ----------
-    runs
-        Source of recordings; the finger's loop at the paper's pretension is made if it is not there yet.
-
-    Returns
-    -------
-    The rms [N] over 5 to 95 % of the connector's travel, of the mean of heating and cooling, in which friction cancels.
+    It is over 5 to 95 % of the connector's travel, of the mean of heating and cooling, in which friction cancels.
 
     References
     ----------

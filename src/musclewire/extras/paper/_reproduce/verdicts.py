@@ -121,18 +121,7 @@ class MedianSpread(NamedTuple):
 def judged(check: PaperCheck, found: Sequence[SeedResult], known: Mapping[str, str]) -> ReproductionRow:
     """Return the row of a check from what each seed gave.
 
-    Parameters
-    ----------
-    check
-        The check.
-    found
-        Number or problem of each seed, at least one.
-    known
-        Reasons of the known failures by the names of their rows.
-
-    Returns
-    -------
-    The row. It fails if a tenth or more of the seeds have no number, whatever the median of the others.
+    It fails if a tenth or more of the seeds have no number, whatever the median of the others.
     """
     values = [one.number for one in found if one.number is not None]
     missing = len(found) - len(values)
@@ -173,15 +162,6 @@ def median_interval(values: Sequence[float]) -> tuple[float, float]:
 
     Its ends are order statistics, so it holds for any distribution. Fewer than six numbers cannot say so much: theirs
     is from the smallest to the largest.
-
-    Parameters
-    ----------
-    values
-        Independent numbers, at least one, in any order.
-
-    Returns
-    -------
-    Lower and upper end; equal for numbers that are all the same.
 
     References
     ----------
