@@ -40,37 +40,18 @@ HISTORY = SampleHistory(*range(4))
 
 
 class ParticleCloud(NamedTuple):
-    """All hypotheses, as compiled code takes them; each row is one.
+    """All hypotheses, as compiled code takes them; each row is one."""
 
-    Parameters
-    ----------
-    wires
-        The wire of each, (n_hypotheses,): rows of :class:`WireState`.
-    unknowns
-        Values of ``UNKNOWNS``, (n_hypotheses, n_unknowns).
-    changed
-        1 where an unknown has changed, else 0, (n_hypotheses, n_unknowns).
-    log_weight
-        Logarithm of each weight, (n_hypotheses,).
-    since
-        Logarithm of each one's likelihood since the older and since the newer snapshot, (2, n_hypotheses).
-    old, new
-        Wires of two snapshots, drawn by their weights, (n_snapshot,).
-    history
-        Samples since the older snapshot, in the rows of :class:`SampleHistory`, (4, n_kept).
-    clock
-        What all share: see :class:`SharedPlaces`.
-    """
-
-    wires: Rows
-    unknowns: FloatArray
-    changed: FloatArray
-    log_weight: FloatArray
+    wires: Rows  # the wire of each, (n_hypotheses,): rows of :class:`WireState`
+    unknowns: FloatArray  # values of ``UNKNOWNS``, (n_hypotheses, n_unknowns)
+    changed: FloatArray  # 1 where an unknown has changed, else 0, (n_hypotheses, n_unknowns)
+    log_weight: FloatArray  # (n_hypotheses,)
+    # Logarithm of each one's likelihood since the older and since the newer snapshot, (2, n_hypotheses).
     since: FloatArray
-    old: Rows
+    old: Rows  # wires of two snapshots, drawn by their weights, (n_snapshot,)
     new: Rows
-    history: FloatArray
-    clock: FloatArray
+    history: FloatArray  # samples since the older snapshot, in the rows of :class:`SampleHistory`, (4, n_kept)
+    clock: FloatArray  # what all share: see :class:`SharedPlaces`
 
 
 def cloud_of(state: bytes, classes: int, settings: ParticleSettings) -> ParticleCloud:

@@ -360,7 +360,7 @@ def follow_history(
 
 @compiled_inner
 def resample(cloud: ParticleCloud, weight: FloatArray, numbers: ParticleNumbers) -> None:
-    """Draw the hypotheses again by their weights, systematically; some are renewed, all others wander a little.
+    """Draw the hypotheses again by their weights; some are renewed, all others wander a little.
 
     Systematic resampling: Kitagawa 1996, doi 10.2307/1390750.
     """

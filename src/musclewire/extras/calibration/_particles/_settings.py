@@ -25,78 +25,37 @@ EXPLANATIONS: Mapping[str, tuple[str, ...]] = {
 class ParticleSettings:
     """Numbers of a particle filter; one set holds for every wire (tuned on seeds 1 to 8 of ``musclewire robustness``).
 
-    Each hypothesis says which unknowns have changed. One that has not changed keeps within ``spread_at_rest``, what
-    a calibration leaves open; one that has is drawn from ``spread_changed``, and explains the resistance only if
-    nothing simpler does: most hypotheses change one unknown at a time.
-
-    Parameters
-    ----------
-    hypotheses
-        Number of hypotheses of each explanation; fewer lose a change more often, more cost time.
-    spread_changed
-        Standard deviation of each unknown that has changed, in the order of ``UNKNOWNS``; 0 if it never does.
-    spread_at_rest
-        Standard deviation of each unknown that has not.
-    chance
-        How often a new hypothesis is of each unknown; they add up to 1. An explanation takes those of its unknowns.
-    resistance_error
-        How well the calibrated wire reproduces its resistance, as a fraction.
-    error_time_s
-        Time [s] for which that error stays alike: samples within it count as one.
-    renewed
-        Fraction of the hypotheses that are drawn again at each resampling.
-    renewed_when_lost
-        The same while no hypothesis explains the resistance.
-    lost_misfit
-        Misfit of the resistance, over what wire and noise explain, from which they are lost.
-    wandering
-        Standard deviation of what a changed unknown wanders by at a resampling, over ``spread_changed``.
-    restarts
-        Number of hypotheses per sample that start from an older snapshot and are run through what was measured since.
-    restart_time_s
-        Age [s] at which a snapshot begins to be used; it is used until twice that age.
-    snapshot
-        Number of wires in a snapshot.
-    structural_strain
-        Standard deviation of the calibrated wire's strain at its own resistance, over the model's range.
-    evidence_time_s
-        Time [s] over which the evidence for each explanation is gathered.
-    load_cost
-        By how much an explanation with a changed load must be better, in logarithm of likelihood.
-    worst_surprise
-        A sample counts no worse against an explanation than this, in logarithm of likelihood.
-    softness
-        The standard deviation sees explanations that are worse by so much as possible; so does no value.
-    largest_std
-        Standard deviation over the model's range from which a value is not valid.
-    seed
-        Seed of the random numbers.
-
-    Raises
-    ------
-    CallerError
-        For numbers that leave nothing to weigh.
+    Each hypothesis says which unknowns have changed. One that has not changed keeps within ``spread_at_rest``, what a
+    calibration leaves open; one that has is drawn from ``spread_changed``, and explains the resistance only if nothing
+    simpler does: most hypotheses change one unknown at a time. Raises CallerError for numbers that leave nothing to
+    weigh.
     """
 
-    hypotheses: int = 150
+    hypotheses: int = 150  # of each explanation; fewer lose a change more often, more cost time
+    # Standard deviation of each unknown that has changed, in the order of ``UNKNOWNS``; 0 if it never does.
     spread_changed: tuple[float, ...] = (0.7, 10.0, 0.35, 0.5, 0.0, 0.0)
-    spread_at_rest: tuple[float, ...] = (0.05, 1.5, 0.03, 0.05, 0.0, 0.0)
+    spread_at_rest: tuple[float, ...] = (0.05, 1.5, 0.03, 0.05, 0.0, 0.0)  # the same of each that has not
+    # How often a new hypothesis is of each unknown, adding up to 1; an explanation takes those of its unknowns.
     chance: tuple[float, ...] = (0.25, 0.25, 0.3, 0.2, 0.0, 0.0)
-    resistance_error: float = 0.0012
-    error_time_s: float = 0.3
-    renewed: float = 0.1
-    renewed_when_lost: float = 0.3
+    resistance_error: float = 0.0012  # how well the calibrated wire reproduces its resistance, as a fraction
+    error_time_s: float = 0.3  # time for which that error stays alike: samples within it count as one
+    renewed: float = 0.1  # fraction of the hypotheses that are drawn again at each resampling
+    renewed_when_lost: float = 0.3  # the same while no hypothesis explains the resistance
+    # Misfit of the resistance, over what wire and noise explain, from which hypotheses are lost.
     lost_misfit: float = 1.0
-    wandering: float = 0.05
+    wandering: float = 0.05  # deviation of what a changed unknown wanders by at a resampling, over ``spread_changed``
+    # Hypotheses per sample that start from an older snapshot and are run through what was measured since.
     restarts: int = 4
-    restart_time_s: float = 5.0
-    snapshot: int = 50
+    restart_time_s: float = 5.0  # age at which a snapshot begins to be used; it is used until twice that age
+    snapshot: int = 50  # number of wires in it
+    # Deviation of the calibrated wire's strain at its own resistance, over the model's range.
     structural_strain: float = 0.003
-    evidence_time_s: float = 15.0
-    load_cost: float = 8.0
-    worst_surprise: float = 0.5
+    evidence_time_s: float = 15.0  # time over which the evidence for each explanation is gathered
+    load_cost: float = 8.0  # by how much an explanation with a changed load must be better, in logarithm of likelihood
+    worst_surprise: float = 0.5  # a sample counts no worse against an explanation than this, in logarithm of likelihood
+    # The standard deviation sees explanations that are worse by so much as possible; so does no value.
     softness: float = 4.0
-    largest_std: float = 0.022
+    largest_std: float = 0.022  # over the model's range, from which a value is not valid
     seed: int = 1
 
     def __post_init__(self) -> None:

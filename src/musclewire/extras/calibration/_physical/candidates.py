@@ -25,8 +25,7 @@ class WireValues(NamedTuple):
 class CandidateParameters:
     """Parameters to find, as vectors of standard normal coordinates: 0 is the prior's mean, 1 its deviation.
 
-    There is one coordinate for each parameter, in the order of ``names``; all other numbers keep the value of the given
-    wire, alloy and bench.
+    There is one coordinate for each of ``names``; all other numbers keep the value of the given wire, alloy and bench.
     """
 
     def __init__(self, priors: PriorSet, alloy: Alloy, wire: Wire, bench: Bench, only: list[str] | None = None) -> None:
@@ -88,10 +87,8 @@ def candidate_constants(
 ) -> WireConstants:
     """Return the constants of a candidate's alloy on a spool and a bench, which an observation may know better.
 
-    A load replaces the bench's spring.
-
-    Raises NumericsError if its numbers cannot be a wire's, with the reason: spreads with which the phases have no
-    order, for instance, which a prior's limits may allow for each number alone. A search passes such candidates over.
+    Raises NumericsError if its numbers cannot be a wire's, as spreads with which the phases have no order, which a
+    prior's limits allow for each number alone. A search passes such candidates over.
     """
     try:
         return constants_of(values.alloy, spool, bench, load=load, distribution=values.grains)

@@ -87,8 +87,8 @@ class CoolingObservation(ClockedObservation):
 def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str) -> CoolingObservation:
     """Return a recording of a wire cooling without current as an observation.
 
-    It has ``time_s`` and ``wire_temperature_k``, strain or force; without the temperature ``bench`` must hold
-    ``start_temperature_k``. Raises RecordingError if nothing cools, CallerError if bench or start is not known.
+    Without the wire's temperature ``bench`` must hold ``start_temperature_k``. Raises RecordingError if nothing cools,
+    CallerError if bench or start is not known.
     """
     known = bench_of(recording, bench)
     complete = recording.with_metadata({**known, "leg_length_m": known["wire_length_m"] / known["legs"]})

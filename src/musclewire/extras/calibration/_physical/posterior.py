@@ -108,14 +108,13 @@ def widened(
 
     A model that cannot follow the data errs alike at neighbouring points, which counts fewer of them than there are:
     the scatter of the gradient is summed over neighbours, up to a tenth of a channel apart and weighted less the
-    farther (Newey and West 1987, doi 10.2307/1913610). Its channels then contradict each other, each of which counts
-    as one more scattered measurement (Liang and Zeger 1986, doi 10.1093/biomet/73.1.13). And in a long valley a search
+    farther (Newey and West 1987, doi 10.2307/1913610). Its channels then contradict each other, each of which counts as
+    one more scattered measurement (Liang and Zeger 1986, doi 10.1093/biomet/73.1.13). And in a long valley a search
     ends before its minimum: the step that is left belongs to the deviation, as does how far apart its descents ended.
     No direction becomes more certain than it was.
 
-    ``jacobian``, (m, n), and ``residuals``, (m,), are those of the observations, channel by channel, of which
-    ``stretches`` has the numbers; ``coordinates``, (n,), is where the search ended, ``ends`` where the best descents
-    ended.
+    ``jacobian``, (m, n), and ``residuals``, (m,), are the observations', channel by channel of ``stretches``; ``ends``
+    is where the best descents ended.
     """
     unknowns = coordinates.size
     inverse = np.linalg.inv(jacobian.T @ jacobian + np.eye(unknowns))

@@ -160,8 +160,7 @@ def settings_of_effort(effort: str) -> SearchSettings:
 class SearchResult:
     """Result of a search: vector (n,), residuals (m,), their derivative (m, n), and the number of simulations.
 
-    ``costs`` are the sums of squares at which the descents ended, in their order, and ``ends`` their vectors,
-    (descents, n): if several agree, no other minimum was found.
+    Where several of ``ends``, (descents, n), and their ``costs`` agree, no other minimum was found.
     """
 
     coordinates: FloatArray
