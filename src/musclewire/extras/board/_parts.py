@@ -99,22 +99,7 @@ def parts_names() -> list[str]:
 
 @cache
 def load_parts(name: str) -> PartsList:
-    """Return a list of parts by its name.
-
-    Parameters
-    ----------
-    name
-        One of ``parts_names``.
-
-    Returns
-    -------
-    The list.
-
-    Raises
-    ------
-    CallerError
-        For an unknown name or a wrong file.
-    """
+    """Return a list of parts by one of ``parts_names``. Raises CallerError for an unknown name or a wrong file."""
     if name not in parts_names():
         raise CallerError(f"there is no parts list '{name}'{nearest_hint(name, parts_names())}")
     path = folder_of_parts() / f"{name}.toml"

@@ -22,23 +22,9 @@ NO_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def write_arduino_zip(library: CLibrary, path: str | Path) -> Path:
-    """Write a library that was exported as one .zip, which the Arduino IDE adds by Sketch, Include Library.
+    """Write an exported library as one .zip, which the Arduino IDE adds by Sketch, Include Library.
 
-    Parameters
-    ----------
-    library
-        What ``write_library`` returned.
-    path
-        The file to write, ending in .zip.
-
-    Returns
-    -------
-    The path.
-
-    Raises
-    ------
-    CallerError
-        If the file does not end in .zip, or cannot be written.
+    Raises CallerError if the file does not end in .zip, or cannot be written.
     """
     path = Path(path)
     if path.suffix != ".zip":

@@ -44,19 +44,10 @@ def constants_header(
 
 
 def model_checksum(constants: CConstants) -> int:
-    """Return the crc32 by which a host recognises a model with its controller.
+    """Return the crc32 (IEEE 802.3) by which a host recognises a model with its controller.
 
-    Circuit and limits are not included: they belong to the board, and a host that checks which loop the board runs
-    has only model and controller to compare.
-
-    Parameters
-    ----------
-    constants
-        Every number of the library, as ``collect`` or ``control_numbers`` returns them.
-
-    Returns
-    -------
-    The crc32 (IEEE 802.3) of the constants' text, 0 to 2^32 - 1.
+    Circuit and limits are not included: they belong to the board, and a host that checks which loop the board runs has
+    only model and controller to compare.
     """
     chosen = {heading: group for heading, group in constants.groups.items() if heading in CONTROL_HEADINGS}
     return zlib.crc32(_body(CConstants(chosen)).encode())

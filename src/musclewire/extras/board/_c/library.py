@@ -122,17 +122,12 @@ def write_library(
 ) -> CLibrary:
     """Write the library into a folder, which is made if need be; files of the same names are replaced.
 
-    Without ``overwrite`` a file there with another content is left alone, and nothing is written at all.
-
-    ``settings`` say which controller it is: the fuzzy PID by its own, the inverse of the wire's model by the gains of
-    the wire. ``estimator`` is "polynomial", the paper's, or "filter". ``double`` makes double precision the
-    choice; without it all is checked to survive single precision.
-    Everything is checked before anything is written.
-
-    Raises:
-        CallerError: a number that overflows, underflows or loses its digits in single precision (named); drive limits
-            other than the protection's; a name that is no C identifier; a folder that cannot be written, or holds
-            other files of these names without ``overwrite``.
+    Without ``overwrite`` a file there with another content is left alone, and nothing is written at all; everything is
+    checked before. ``settings`` say which controller it is: the fuzzy PID by its own, the inverse of the wire's model
+    by the gains of the wire. ``double`` makes double precision the choice; without it all is checked to survive single
+    precision. Raises CallerError for a number that overflows, underflows or loses its digits in single precision
+    (named), drive limits other than the protection's, a name that is no C identifier, and a folder that cannot be
+    written, or holds other files of these names without ``overwrite``.
     """
     double, overwrite = form.get("double", False), form.get("overwrite", True)
     estimator = form.get("estimator", PAPER_ESTIMATOR)

@@ -52,22 +52,8 @@ class NiDaqDevice:
     """A wire on a card of National Instruments, driven by its analogue output.
 
     Time is counted in readings of the card, so it does not drift against them. The output belongs to a process of its
-    own, the guardian, which switches it off when this one is killed or stalls.
-
-    Parameters
-    ----------
-    configuration
-        The rig file, checked.
-    silence
-        After which silence of this process the guardian acts; by default what the protection table says of a late
-        sample.
-
-    Raises
-    ------
-    MissingExtraError
-        Without nidaqmx.
-    RigError
-        If the card cannot be used.
+    own, the guardian, which switches it off when this one is killed or stalls, by default after what the protection
+    table says of a late sample. Raises MissingExtraError without nidaqmx. Raises RigError if the card cannot be used.
     """
 
     def __init__(self, configuration: NiDaqConfiguration, silence: SilenceTimes | None = None) -> None:

@@ -197,21 +197,7 @@ class SerialDevice:
         return self._identity
 
     def checksum_of(self, model: SensingModel, settings: FuzzyPidSettings | FeedforwardSettings, estimator: str) -> int:
-        """Return the checksum that firmware reports which was built with a model and controller.
-
-        Parameters
-        ----------
-        model
-            The model.
-        settings
-            Settings of the controller, which say which it is.
-        estimator
-            Name of the estimator.
-
-        Returns
-        -------
-        The checksum.
-        """
+        """Return the checksum that firmware reports which was built with a model and controller."""
         from musclewire.extras.board._c.library import loop_checksum
 
         return loop_checksum(model, settings, estimator=estimator)

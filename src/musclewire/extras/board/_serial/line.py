@@ -31,37 +31,11 @@ class ByteLine(Protocol):
         ...
 
     def write(self, data: bytes) -> None:
-        """Send bytes.
-
-        Parameters
-        ----------
-        data
-            What to send, of any length.
-
-        Raises
-        ------
-        LineLostError
-            The line is gone, or takes nothing in time.
-        """
+        """Send bytes. Raises LineLostError if the line is gone, or takes nothing in time."""
         ...
 
     def read(self, timeout_s: float) -> bytes:
-        """Return the bytes that have come.
-
-        Parameters
-        ----------
-        timeout_s
-            How long to wait for the first byte [s]; 0 does not wait.
-
-        Returns
-        -------
-        The bytes that have come, none after the whole time without one.
-
-        Raises
-        ------
-        LineLostError
-            The line is gone.
-        """
+        """Return the bytes that have come, after waiting for the first; 0 s does not wait. Raises LineLostError."""
         ...
 
     def close(self) -> None:
