@@ -36,7 +36,7 @@ OPTIONS: dict[str, Any] = {"error_model": "numpy", "nogil": True}
 Function = TypeVar("Function", bound=Callable[..., Any])
 ROOMS_WITH_KERNELS = ("physics", "wire", "controllers", "sensing", "rigs/_compiled_loop")
 # Of a room of which few files hold kernels only these count, so that an edit of the others costs no compilation.
-FILES_WITH_KERNELS = ("rigs/_simulated.py", "random_numbers.py", "signals/_plain_rows.py")
+FILES_WITH_KERNELS = ("rigs/_simulated.py", "random_numbers.py")
 
 
 class Compilation(event.Listener):

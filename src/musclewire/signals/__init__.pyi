@@ -1,5 +1,7 @@
 """The list of names that other rooms may use."""
 
+from ._clock_texts import is_clock_text as is_clock_text
+from ._clock_texts import written_clock as written_clock
 from ._columns import COLUMNS as COLUMNS
 from ._columns import ISOBAR_TABLE as ISOBAR_TABLE
 from ._columns import OF_THE_ESTIMATE as OF_THE_ESTIMATE
@@ -72,6 +74,7 @@ from ._reading import import_plan as import_plan
 from ._reading import mappings_of_files as mappings_of_files
 from ._reading import read_hdf5 as read_hdf5
 from ._reading import read_recording as read_recording
+from ._reading import without_groups as without_groups
 from ._recording import COOLING_FROM as COOLING_FROM
 from ._recording import MINOR_LOOP_FROM as MINOR_LOOP_FROM
 from ._recording import NO_CYCLE as NO_CYCLE
@@ -91,10 +94,7 @@ from ._source_table import head_of as head_of
 from ._source_table import heads_of as heads_of
 from ._source_table import rows_in as rows_in
 from ._source_table import stated_periods_s as stated_periods_s
-from ._text_lines import Line as Line
-from ._text_lines import lines_of as lines_of
-from ._text_tables import TextTable as TextTable
-from ._text_tables import table_of_lines as table_of_lines
+from ._units import is_unit as is_unit
 from ._units import measured_in as measured_in
 from ._units import measures as measures
 from ._units import parse_quantity as parse_quantity

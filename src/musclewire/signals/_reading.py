@@ -22,8 +22,7 @@ from musclewire.signals._source_table import SourceColumn, SourceTable, TableInM
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
 # Suffixes that need no part outside the core.
-TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".tra", ".prn", ".jsonl", ".ndjson")
-OWN_SUFFIXES = (".h5", ".hdf5", *TEXT_SUFFIXES)
+OWN_SUFFIXES = (".h5", ".hdf5", ".csv")
 
 
 def read_recording(
@@ -158,15 +157,15 @@ def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
     # Imported here: h5py and the readers of other formats are slow to load, and most commands read no file.
     suffix = path.suffix.lower()
     if is_journal(path) or unfinished(path):
-        return lambda file, group: _own_table(_without_groups(file, group))
+        return lambda file, group: _own_table(without_groups(file, group))
     if suffix in {".h5", ".hdf5"}:
         return _hdf5_table
     if (read := _offered_reader(path)) is not None:
         return read
-    if suffix in TEXT_SUFFIXES:
-        from musclewire.signals._text_tables import read_text_table
+    if suffix == ".csv":
+        from musclewire.signals._csv import read_plain_csv
 
-        return lambda file, group: read_text_table(_without_groups(file, group))
+        return lambda file, group: read_plain_csv(without_groups(file, group))
     if (absent := absent_part("suffixes", suffix)) is not None:
         raise absent
     if suffix == ".json":
@@ -186,7 +185,7 @@ def _offered_reader(path: Path) -> Callable[[Path, str | None], SourceTable] | N
     return None
 
 
-def _without_groups(path: Path, group: str | None) -> Path:
+def without_groups(path: Path, group: str | None) -> Path:
     """Return the path of a file that holds one table. Raises RecordingError if a group is asked for."""
     if group is not None:
         raise RecordingError(f"{path}: holds one table, no group '{group}'; leave " + argument("group") + " out")
@@ -202,7 +201,7 @@ def _hdf5_table(path: Path, group: str | None) -> SourceTable:
             raise RecordingError(f"{path}: is no recording of musclewire, and the part that reads HDF5 of others "
                                  "(lab_files) is not there; export it as CSV")  # fmt: skip
         return read(path, group)
-    return _own_table(_without_groups(path, group))
+    return _own_table(without_groups(path, group))
 
 
 def _own_table(path: Path) -> SourceTable:

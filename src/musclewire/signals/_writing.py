@@ -77,7 +77,7 @@ def _block_format_of(path: Path) -> Callable[[Sequence[str], Blocks, Metadata, P
 
         return fill_hdf5_blocks
     if suffix == ".csv":
-        from musclewire.signals._text_tables import fill_csv_blocks
+        from musclewire.signals._csv import fill_csv_blocks
 
         return fill_csv_blocks
     writer = _offered_writer(path)
@@ -94,7 +94,7 @@ def _format_of(path: Path, matlab_version: str | None) -> Fill:
 
         return fill_hdf5
     if suffix == ".csv":
-        from musclewire.signals._text_tables import fill_csv
+        from musclewire.signals._csv import fill_csv
 
         return fill_csv
     if (writer := _offered_writer(path)) is not None:

@@ -100,7 +100,7 @@ def test_an_old_file_stays_when_the_new_one_cannot_be_written(tmp_path, monkeypa
     def full_disk(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("musclewire.signals._text_tables.fill_csv", full_disk)
+    monkeypatch.setattr("musclewire.signals._csv.fill_csv", full_disk)
     with pytest.raises(CallerError, match="cannot be written: No space left on device"):
         Recording({"time_s": [0.0, 2.0]}).save(path)
     assert read_recording(path)["time_s"][1] == 1.0

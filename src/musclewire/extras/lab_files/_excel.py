@@ -23,15 +23,14 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
 from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
+from musclewire.extras.lab_files._text_lines import Line
+from musclewire.extras.lab_files._text_tables import TextTable, table_of_lines
 from musclewire.signals import (
     CurableError,
     FileWriter,
     ImportMapping,
-    Line,
     MetadataValue,
-    TextTable,
     entry_from_text,
-    table_of_lines,
     value_to_text,
 )
 

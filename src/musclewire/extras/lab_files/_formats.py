@@ -6,15 +6,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 from musclewire.errors import RecordingError
+from musclewire.extras.lab_files.manifest import TEXT_SUFFIXES
 from musclewire.manifest import loaded
 from musclewire.signals import SourceTable
 
 _Reader = Callable[[Path, str | None], SourceTable]
-_TEXT = frozenset({".csv", ".tsv", ".txt", ".dat", ".asc"})
 _LABVIEW_TEXT = (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement")
 
 # Imported when a file needs them: the packages behind them are slow to load, and most commands read none.
+_TEXT = (".csv", *TEXT_SUFFIXES)
 _READERS = {
+    **dict.fromkeys(_TEXT, "_text_tables:read_text_table"),
     ".h5": "_hdf5_tree:read_hdf5_of_others",
     ".hdf5": "_hdf5_tree:read_hdf5_of_others",
     ".lvm": "_lvm:read_lvm_table",
@@ -41,7 +43,7 @@ _NEIGHBOURS = {
 
 
 def lab_file_reader(path: Path) -> _Reader | None:
-    """Return the reader of a file of LabVIEW, MATLAB, Excel, Parquet, netCDF or others' HDF5, None for another suffix.
+    """Return the reader of text, LabVIEW, MATLAB, Excel, Parquet, netCDF or others' HDF5, None for another suffix.
 
     A reader takes the path and the name of a group or sheet, None for the only one. LabVIEW's text files are known by
     their first line, whatever they are called. Raises RecordingError for formats whose program can save a better one.

@@ -25,7 +25,7 @@ from musclewire.extras.lab_files._file_table import (
     one_line,
 )
 from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_of
-from musclewire.signals import Line, lines_of
+from musclewire.extras.lab_files._text_lines import Line, lines_of
 
 MAX_COLUMNS = 1_000
 _TITLE = "LabVIEW Measurement"

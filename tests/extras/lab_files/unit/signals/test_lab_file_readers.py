@@ -11,7 +11,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
-from tests.corpus.test_corpus import READ, mapping_of, name_of, path_of
 from tests.extras.lab_files.corpus.lab_signals import (
     DISPLACEMENT_MM,
     FORCE_N,
@@ -21,6 +20,7 @@ from tests.extras.lab_files.corpus.lab_signals import (
     TIME_S,
     WIRE_VOLTAGE_V,
 )
+from tests.extras.lab_files.corpus.test_corpus import READ, mapping_of, name_of, path_of
 from tests.places import TESTS
 
 from musclewire.errors import MusclewireError, RecordingError

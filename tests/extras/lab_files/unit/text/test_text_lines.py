@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals._reading import read_recording
-from musclewire.signals._text_lines import lines_of
+from musclewire.extras.lab_files._text_lines import lines_of
+from musclewire.signals import read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 endings = st.sampled_from(["\n", "\r\n", "\r"])

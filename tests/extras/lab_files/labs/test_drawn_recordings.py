@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.random import Generator
+from tests.extras.lab_files.labs.test_files_as_labs_make_them import LAYOUTS, Command, outcome, written
 from tests.labs.loops import DEFECTS, LOOPS, loop
-from tests.labs.test_files_as_labs_make_them import LAYOUTS, Command, outcome, written
 
 Damage = Callable[[list[str], Generator], list[str]]
 NUMBER = re.compile(r"\d+\.\d+(?:[eE][+-]?\d+)?")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.signals._plain_rows import numbers_in
+from musclewire.extras.lab_files._plain_rows import numbers_in
 
 NUMBERS = st.one_of(
     st.floats(1e-4, 1e6).map(lambda value: f"{value:.7g}"),

@@ -1,7 +1,6 @@
 """Every file of the corpus is read as its manifest says, or refused in one line with exit code 2 that names the cure.
 
-The manifests are the .toml files next to this test and in the folders of extras; ``text_files.toml`` explains their
-keys.
+The manifests are the .toml files next to this test and in its folder ``text``; ``text_files.toml`` explains their keys.
 """
 
 from __future__ import annotations
@@ -12,15 +11,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.places import TESTS
 
 from musclewire.app import in_options
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify import import_recording
 from musclewire.signals import ImportMapping, parse_quantity, read_recording
 
-# Those beside this test, and those of the extras.
-MANIFESTS = sorted([*TESTS.glob("corpus/*.toml"), *TESTS.glob("extras/*/corpus/*.toml")], key=lambda path: path.name)
+MANIFESTS = sorted(Path(__file__).parent.rglob("*.toml"), key=lambda path: path.name)
 
 
 def entries(manifest: Path) -> list[dict[str, Any]]:

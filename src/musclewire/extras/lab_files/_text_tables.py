@@ -7,19 +7,16 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._metadata import MetadataValue, value_to_text
-from musclewire.signals._number_style import is_missing, number_and_unit
-from musclewire.signals._source_table import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_periods_s
-from musclewire.signals._text_layout import (
+from musclewire.extras.lab_files._number_style import is_missing, number_and_unit
+from musclewire.extras.lab_files._text_layout import (
     COUNTED,
     TextLayout,
     conforms,
@@ -29,9 +26,19 @@ from musclewire.signals._text_layout import (
     too_wide,
     unit_columns,
 )
-from musclewire.signals._text_lines import Line, ends_within_a_line, lines_of
-from musclewire.signals._text_shapes import shape_of
-from musclewire.signals._units import is_unit, scale_between
+from musclewire.extras.lab_files._text_lines import Line, ends_within_a_line, lines_of
+from musclewire.extras.lab_files._text_shapes import shape_of
+from musclewire.signals import (
+    BLOCK_ROWS,
+    Cells,
+    MetadataValue,
+    RowBlock,
+    SourceColumn,
+    is_unit,
+    scale_between,
+    stated_periods_s,
+    without_groups,
+)
 
 _COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
 # With what a comment or a blank line begins; any other line needs no closer look.
@@ -77,7 +84,7 @@ class TextTable:
         first_line = self.text_layout.first_line
         if self.plain_path is not None and indices and all(map(self._is_plain, indices)):
             # Here, because compiled code takes half a second to load, which a small file is not worth.
-            from musclewire.signals._plain_rows import PlainRows
+            from musclewire.extras.lab_files._plain_rows import PlainRows
 
             style, width = self.text_layout.style, len(self.text_layout.headers)
             plain_rows = PlainRows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
@@ -258,13 +265,13 @@ def _end_of(cell: str) -> tuple[int, int]:
     return len(parts), len(parts[-1]) if len(parts) > 1 else 0
 
 
-def read_text_table(path: Path) -> TextTable:
+def read_text_table(path: Path, group: str | None = None) -> TextTable:
     """Return the table in a text file after its first lines: titles, headers, units and where rows begin.
 
     Separator, decimal sign, rows of headers and units are found in the first lines; titles and comments as
     ``key = value`` become metadata. Raises RecordingError if the file is no text, or holds no table.
     """
-    comments: list[str] = []
+    path, comments = without_groups(path, group), list[str]()
     for number, text in lines_of(path):
         comment = _COMMENT.fullmatch(text)
         if comment is not None:
@@ -337,27 +344,6 @@ def table_of_lines(
     return TextTable(
         path, lines, layout, words, row_word, columns, parts, cell_units, layout.metadata, periods_s, notes
     )
-
-
-def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
-    """Write columns to ``path``: metadata as comments, our names, every number to the last bit."""
-    fill_csv_blocks(tuple(columns), [tuple(columns.values())], metadata, path)
-
-
-def fill_csv_blocks(
-    names: Sequence[str],
-    blocks: Iterable[tuple[FloatArray, ...]],
-    metadata: Mapping[str, MetadataValue],
-    path: Path,
-) -> None:
-    """Write blocks of columns to ``path``, as ``fill_csv`` does."""
-    with path.open("w", encoding="utf-8", newline="\n") as file:
-        for key, value in metadata.items():
-            file.write(f"# {key} = {value_to_text(key, value)}\n")
-        file.write(",".join(names) + "\n")
-        for block in blocks:
-            numbers = [values.tolist() for values in block]
-            file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
 
 
 def _without_comments(path: Path) -> Iterator[Line]:

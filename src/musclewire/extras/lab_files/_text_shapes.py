@@ -13,11 +13,10 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from musclewire.signals._clock_texts import is_clock_text
-from musclewire.signals._number_style import is_missing, looks_numeric
-from musclewire.signals._text_layout import separator_of, split_lines
-from musclewire.signals._text_lines import Line
-from musclewire.signals._units import is_unit
+from musclewire.extras.lab_files._number_style import is_missing, looks_numeric
+from musclewire.extras.lab_files._text_layout import separator_of, split_lines
+from musclewire.extras.lab_files._text_lines import Line
+from musclewire.signals import is_clock_text, is_unit
 
 _NUMBER = r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(r"\s*(?P<name>[^\W\d][^:=]*?|\d+\s*[^\W\d][^:=]*?)\s*[:=]\s*(?P<value>.*?)\s*")

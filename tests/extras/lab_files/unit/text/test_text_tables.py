@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
 from musclewire.identify import import_recording
-from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._reading import read_recording
+from musclewire.signals import ImportMapping, read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 
@@ -103,8 +102,8 @@ def test_a_large_file_is_read_as_a_small_one_wherever_it_stops_being_plain(file,
     rows[250] = '"25.0",2.5'
     text = "time_s,force_n\n" + "\n".join(rows)
     small = read_recording(file(text, "small.csv"))
-    monkeypatch.setattr("musclewire.signals._text_tables._LARGE", 1)
-    monkeypatch.setattr("musclewire.signals._plain_rows._PIECE", 500)
+    monkeypatch.setattr("musclewire.extras.lab_files._text_tables._LARGE", 1)
+    monkeypatch.setattr("musclewire.extras.lab_files._plain_rows._PIECE", 500)
     assert read_recording(file(text, "large.csv")) == small
     assert "line 302, column 'force_n': 'x' is not a number" in refusal(
         file(text.replace("30.0,3.0", "30.0,x"), "bad.csv")

@@ -1,0 +1,72 @@
+"""Plain CSV: what we write, and what else is a line of names and rows of numbers between commas.
+
+Other text is read by the part lab_files, where it is there, and so is this.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from musclewire.arrays import FloatArray
+from musclewire.errors import RecordingError
+from musclewire.signals._metadata import MetadataValue, entry_from_text, value_to_text
+from musclewire.signals._source_table import SourceColumn, TableInMemory
+
+
+def read_plain_csv(path: Path) -> TableInMemory:
+    """Return the table of a CSV file: comments "# key = value", a line of names, rows of numbers; a blank is missing.
+
+    Raises RecordingError with the line for anything else.
+    """
+    try:
+        lines = path.read_text("utf-8-sig").splitlines()
+    except (OSError, UnicodeError) as problem:
+        raise RecordingError(f"{path}: cannot be read as text: {problem}; check the file") from None
+    comments = next((number for number, line in enumerate(lines) if not line.startswith("#")), len(lines))
+    stated = [line.lstrip("# ").partition("=") for line in lines[:comments]]
+    metadata = dict(filter(None, (entry_from_text(key, value) for key, sign, value in stated if sign)))
+    names, *rows = csv.reader(lines[comments:]) if comments < len(lines) else [[]]
+    first_row = comments + 2
+    numbers = [_numbers(f"{path}: line {number}", row, len(names)) for number, row in enumerate(rows, first_row) if row]
+    table = np.array(numbers, dtype=np.float64).reshape(-1, len(names))
+    columns = tuple(SourceColumn(name.strip()) for name in names)
+    return TableInMemory(
+        str(path), "plain CSV", columns, tuple(table.T), metadata, row_word="line", first_row=first_row
+    )
+
+
+def _numbers(line: str, row: Sequence[str], width: int) -> list[float]:
+    try:
+        found = [float(cell) if cell.strip() else float("nan") for cell in row]
+    except ValueError as problem:
+        raise RecordingError(
+            f"{line}: {problem}; correct it, or add the part lab_files, which reads other text"
+        ) from None
+    if len(found) != width:
+        raise RecordingError(f"{line}: has {len(found)} cells for {width} names; correct it")
+    return found
+
+
+def fill_csv(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
+    """Write columns to ``path``: metadata as comments, our names, every number to the last bit."""
+    fill_csv_blocks(tuple(columns), [tuple(columns.values())], metadata, path)
+
+
+def fill_csv_blocks(
+    names: Sequence[str],
+    blocks: Iterable[tuple[FloatArray, ...]],
+    metadata: Mapping[str, MetadataValue],
+    path: Path,
+) -> None:
+    """Write blocks of columns to ``path``, as ``fill_csv`` does."""
+    with path.open("w", encoding="utf-8", newline="\n") as file:
+        for key, value in metadata.items():
+            file.write(f"# {key} = {value_to_text(key, value)}\n")
+        file.write(",".join(names) + "\n")
+        for block in blocks:
+            numbers = [values.tolist() for values in block]
+            file.writelines(",".join(map(repr, row)) + "\n" for row in zip(*numbers, strict=True))
