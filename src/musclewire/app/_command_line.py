@@ -57,7 +57,7 @@ def flat(function: Callable[..., Result | None], called: str) -> Callable[..., N
             require_packages_of(rig)
         if reading := given.get("reading"):
             given["reading"] = replace(reading, typed=typed(called, parameters, values, options_of(type(reading))))
-        action = said_if_refused(function, values) if reading else function
+        action = explain_refusals(function, values) if reading else function
         if not values.get(BEYOND, False):
             run_command(action, values.get("json", False), **given)
             return
@@ -98,7 +98,7 @@ def typed(
     return (*arguments, *options)
 
 
-def said_if_refused(function: Callable[..., Result | None], values: Mapping[str, Any]) -> Callable[..., Result | None]:
+def explain_refusals(function: Callable[..., Result | None], values: Mapping[str, Any]) -> Callable[..., Result | None]:
     """Return a command that says, before it refuses a recording, what it saw in it."""
 
     def action(**given: Any) -> Result | None:
@@ -107,7 +107,7 @@ def said_if_refused(function: Callable[..., Result | None], values: Mapping[str,
         except RecordingError as problem:
             files = values.get("files")
             several = files or values.get("recordings")
-            tried = None if several else partial(error_with, function=function, given=given)
+            tried = None if several else partial(error_with_mapping, function=function, given=given)
             paths = [str(path) for path in several or [values["recording"]]]
             given["reading"].say_what_was_seen(paths, problem, tried, imports=several is files)
             raise
@@ -115,7 +115,7 @@ def said_if_refused(function: Callable[..., Result | None], values: Mapping[str,
     return action
 
 
-def error_with(
+def error_with_mapping(
     proposal: ImportMapping, function: Callable[..., Result | None], given: Mapping[str, Any]
 ) -> MusclewireError | None:
     """Return what a command ends with if a recording is read as proposed; nothing is written or said."""

@@ -104,7 +104,7 @@ def control(
             warn(known_against(loaded, opened.metadata()).values())
             follows = target or staircase_for(loaded, load, opened.leg_length_m)
             settled = choice.settled(loaded, opened.sample_period_s)
-            said_of_speed(opened, loaded, follows, settled, load)
+            print_speed_limits(opened, loaded, follows, settled, load)
         return run_many_loops(rig, seed, many, loaded, choice, follows, settled.approach_s + follows.duration_s)
     check_files(figure, output, overwrite)
     follow = loop_of(choice, loop)
@@ -117,7 +117,7 @@ def control(
         if target is None:
             target = staircase_for(loaded, load, opened.leg_length_m)
         settled = choice.settled(loaded, opened.sample_period_s)
-        limits = said_of_speed(opened, loaded, target, settled, load)
+        limits = print_speed_limits(opened, loaded, target, settled, load)
         loop_s = settled.approach_s + target.duration_s
         with progress_bar("Closed loop", loop_s + cooling_time_s(opened, loaded, loop_s), opened) as on_sample:
             run = follow(opened, loaded, target, path=output, overwrite=overwrite, on_sample=on_sample)
@@ -126,7 +126,7 @@ def control(
     figure.draw(run.plot)
     answer = control_answer(run, load, limits, homed, said)
     text = [] if homed is None else [home_text(homed)]
-    return Result(answer, "\n".join([*text, str(run.metrics)]), error=why_not(run))
+    return Result(answer, "\n".join([*text, str(run.metrics)]), error=error_of_run(run))
 
 
 def control_answer(
@@ -163,7 +163,7 @@ def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> 
         require_recording_file(output, overwrite)
 
 
-def said_of_speed(
+def print_speed_limits(
     opened: Rig, loaded: SensingModel, target: Reference, settled: SettledChoice, load: KnownSpring | None
 ) -> SpeedLimits | None:
     """Print where a reference is faster than the wire, or the supply too weak, before it is heated; return it.
@@ -181,7 +181,7 @@ def said_of_speed(
     return limits
 
 
-def why_not(run: ControlRun) -> MusclewireError | None:
+def error_of_run(run: ControlRun) -> MusclewireError | None:
     """Return why the result of a run does not hold, None if it does."""
     from musclewire.judge import judged
 

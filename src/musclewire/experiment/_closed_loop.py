@@ -28,7 +28,7 @@ from musclewire.experiment._calm_air import heed_air
 from musclewire.experiment._cooling import cooling_after, cooling_time_s
 from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import Decision, RunOptions, run_on_rig, what_protects
-from musclewire.experiment._speed_limits import check_targets, fastest_way, followed, speed_metadata
+from musclewire.experiment._speed_limits import check_targets, checked_reference, fastest_way, speed_metadata
 from musclewire.identify import (
     FastestWay,
     check_made_for,
@@ -355,7 +355,7 @@ def prepared_loop(rig: Rig, model: SensingModel, reference: Reference | None, ch
     load, settled = choice.load, choice.settled(model, rig.sample_period_s)
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
-    chosen = followed(model, reference)
+    chosen = checked_reference(model, reference)
     # Resistance is proportional to length: a model of another length would read a cold wire as a contracted one. And
     # the displacement of a finger's endpoint belongs to that finger.
     facts = rig.metadata()

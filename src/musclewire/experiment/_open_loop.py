@@ -120,7 +120,7 @@ def raised_cosine(amplitude_v: float, sense_voltage_v: float, period_s: float) -
 
 
 @lru_cache(maxsize=16)
-def played(waveform: Waveform, period_s: float, elapsed_s: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+def played_waveform(waveform: Waveform, period_s: float, elapsed_s: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
     """Return the drive of each sample [V], (n_samples,), and the numbers of the cycles, (n_samples, 1)."""
     drives_v = [waveform(0.0), *(waveform(time_s) for time_s in elapsed_s[:-1])]
     return np.array(drives_v), np.array([[cycle_at(time_s, period_s)] for time_s in elapsed_s])
@@ -151,7 +151,7 @@ class WaveformPolicy:
 
     def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive:
         """Return the waveform at the beginning of each sample, with the number of its cycle."""
-        drives_v, cycles = played(self._waveform, self._period_s, elapsed_s)
+        drives_v, cycles = played_waveform(self._waveform, self._period_s, elapsed_s)
         return KnownDrive(drives_v.copy(), cycles)
 
 

@@ -300,7 +300,7 @@ def pretension_sweep(
         try_setting(largest_n or 0.0)
         rows.sort(key=lambda row: row.pretension_n)
     check_rows(rows, failures, quantity)
-    warnings += beyond_of(rows, quantity)
+    warnings += warnings_of_settings(rows, quantity)
     return PretensionSweep(tuple(rows), tuple(failures), quantity, tuple(warnings), limit_n, largest_n)
 
 
@@ -317,7 +317,7 @@ def at_limit_is_missing(
     return best is tightest
 
 
-def beyond_of(rows: Sequence[PretensionRow], quantity: str) -> list[str]:
+def warnings_of_settings(rows: Sequence[PretensionRow], quantity: str) -> list[str]:
     """Return what the recommended setting exceeds of its alloy's limits, then the lowest and the highest setting."""
     best = smallest_gap([row for row in rows if row.within_limit], quantity)
     by_force = sorted(rows, key=lambda row: row.pretension_n)

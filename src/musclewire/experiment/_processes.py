@@ -113,7 +113,7 @@ class Pool:
         """Let a process that waits evaluate an item."""
         process = self.idle.pop()
         with clean_start():
-            self.running[process.submit(attempted, self._function, attempt.item)] = (attempt, process)
+            self.running[process.submit(result_or_failure, self._function, attempt.item)] = (attempt, process)
 
     def finished(self) -> Iterator[tuple[Attempt, Any]]:
         """Yield what is finished after a moment at most. Raises CallerError for what cannot be sent."""
@@ -155,7 +155,7 @@ def print_to_errors() -> None:
     os.dup2(2, 1)
 
 
-def attempted(function: Callable[[Item], Result], item: Item) -> Result | FailedItem:
+def result_or_failure(function: Callable[[Item], Result], item: Item) -> Result | FailedItem:
     """Return the result of an item, or the error in the code that the parent is to raise."""
     try:
         return function(item)

@@ -181,7 +181,7 @@ def run_on_rig(
             finally:
                 rig.make_safe()  # before the recorder closes its file: a slow disk must not keep a wire hot
                 # Once more: what a rig counts, lost frames for one, is known only now.
-                recorder.describe({**rig.metadata(), **(metadata or {}), **how_taken(taken, timing)})
+                recorder.describe({**rig.metadata(), **(metadata or {}), **sampling_metadata(taken, timing)})
             whole = recorder.recording()
             recorder.describe(found_in(whole))
     finally:
@@ -252,7 +252,7 @@ def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, star
         if on_sample is not None:
             called_ns = perf_counter_ns()
             on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
-            timing.called_back(perf_counter_ns() - called_ns)
+            timing.record_callback(perf_counter_ns() - called_ns)
         if until is not None and until():
             return False
         if left > 1:
@@ -260,7 +260,7 @@ def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, star
     return True
 
 
-def how_taken(taken: TakenRun | str, timing: LoopTiming) -> dict[str, MetadataValue]:
+def sampling_metadata(taken: TakenRun | str, timing: LoopTiming) -> dict[str, MetadataValue]:
     """Return the metadata on how samples were taken: in compiled code, or one by one with their times."""
     if isinstance(taken, TakenRun):
         return {"pace": NO_CLOCK, "deadline_misses": 0, "compiled_loop": True}
@@ -343,7 +343,7 @@ class Recorder:
         except TypeError:
             self._values.fromlist([nan if value is None else value for value in row])
         if self._journal is not None and self._journal.failure is not None:
-            raise not_written(self._journal.path, self._journal.failure)
+            raise not_written_error(self._journal.path, self._journal.failure)
 
     def append_all(self, rows: FloatArray) -> None:
         """Keep rows of a finished run, (n_samples, n_columns)."""
@@ -396,7 +396,7 @@ class Recorder:
         except RecordingNotWrittenError as problem:
             return problem
         except OSError as problem:
-            return not_written(self._journal.path, problem)
+            return not_written_error(self._journal.path, problem)
         return None
 
     def _where(self, problem: RecordingNotWrittenError | None) -> str:
@@ -412,7 +412,7 @@ class Recorder:
         return f" and in {saved}" if saved else f" and in {journal} (the first {rows})"
 
 
-def not_written(path: Path, problem: OSError) -> RecordingNotWrittenError:
+def not_written_error(path: Path, problem: OSError) -> RecordingNotWrittenError:
     """Return the error for a file that can no longer be written."""
     return RecordingNotWrittenError(f"cannot write {path}: {problem.strerror or first_line(problem)}")
 
@@ -433,7 +433,7 @@ class LoopTiming:
         self._drive_ns.append(drive_at_ns)
         self._sample_ns.append(sample_at_ns)
 
-    def called_back(self, callback_ns: int) -> None:
+    def record_callback(self, callback_ns: int) -> None:
         """Record how long a callback kept the loop waiting after the last sample; called after every one or never."""
         self._callbacks_ns.append(callback_ns)
 

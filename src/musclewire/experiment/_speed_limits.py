@@ -39,7 +39,7 @@ def staircase_within(model: SensingModel) -> Staircase:
     return staircase(0.5 * top, top, 0.5 * top / STEPS)
 
 
-def followed(model: SensingModel, reference: Reference | None) -> Reference:
+def checked_reference(model: SensingModel, reference: Reference | None) -> Reference:
     """Return a reference, by default the staircase within the model. Raises CallerError for what is no reference."""
     if reference is not None and not hasattr(reference, "targets_at"):
         raise CallerError(
@@ -138,7 +138,7 @@ def speed_limits(
     """
     if load is not None:
         model = force_model(model, load.stiffness_n_per_m, rig.leg_length_m)
-    chosen = followed(model, reference)
+    chosen = checked_reference(model, reference)
     check_targets(model, chosen, rig.sample_period_s)
     return speed_limits_of(model, chosen, *speed_facts(rig, model, settings), from_cold=from_cold)
 

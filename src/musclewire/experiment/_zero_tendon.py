@@ -87,12 +87,12 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
             f"the force rises by {forces[-1] - forces[0]:.4f} N only while the tendon is drawn by "
             f"{1e3 * (positions[0] - positions[-1]):.2f} mm: is the tendon attached, and the stage near its zero?"
         )
-    kink_m, slope = hinge(-positions, forces)
+    kink_m, slope = kink_and_slope(-positions, forces)
     stage.set_tendon_slack(-kink_m)
     return TendonZero(-kink_m, slope, positions, forces)
 
 
-def hinge(place: FloatArray, value: FloatArray, tries: int = 401) -> tuple[float, float]:
+def kink_and_slope(place: FloatArray, value: FloatArray, tries: int = 401) -> tuple[float, float]:
     """Return the kink between a level and a rising line, and the slope, by least squares; both arrays (n,), rising."""
     kinks = np.linspace(place[1], place[-2], tries)
     ramps = np.maximum(place[None, :] - kinks[:, None], 0.0)

@@ -10,7 +10,7 @@ from pathlib import Path
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
 from musclewire.identify._file_interpretation import FileInterpretation, interpretation_of
-from musclewire.identify._proposed_mappings import columns_offered, cure_of
+from musclewire.identify._proposed_mappings import columns_offered, proposed_addition
 from musclewire.judge import JudgedReadings, ReadingsOfBlocks
 from musclewire.signals import (
     NO_SHUNT,
@@ -147,7 +147,7 @@ class JudgedFile:
             offered = columns_offered(self.plan.table, self.plan.match)
             return offered if offered.columns else None
         if self.plan.problem:
-            return cure_of(self.plan)
+            return proposed_addition(self.plan)
         return problem.cure if isinstance(problem, CurableError) else None
 
     def first_problem(self) -> RecordingError | None:

@@ -47,7 +47,7 @@ _WIRE_OHM, _POWER_W = (0.1, 500.0), (5e-3, 500.0)
 _UNITS_OF = {"wire_voltage_v": ("V", "mV"), "wire_current_a": ("A", "mA"), "wire_resistance_ohm": ("ohm",)}
 
 
-def cure_of(plan: ImportPlan) -> ImportMapping | None:
+def proposed_addition(plan: ImportPlan) -> ImportMapping | None:
     """Return what to add to the mapping against the plan's problem, None if nothing is known."""
     match, table = plan.match, plan.table
     offered = columns_offered(table, match)

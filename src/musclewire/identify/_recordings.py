@@ -33,7 +33,7 @@ def over_cold_resistance(recording: Recording) -> tuple[Recording, float]:
     reading = resistance_reading(recording)
     rows = cold_rows(recording, reading)
     cold_ohm = float(np.median(reading.resistance_ohm[rows]))
-    if warm := begins_warm(recording, reading, rows):
+    if warm := why_warm_at_start(recording, reading, rows):
         raise RecordingError(
             f"{recording.facts.whose} does not begin with the cold wire, by whose resistance all others are divided: "
             f"{warm}; let the wire rest before recording, cut off what was recorded before it was cold, or negate a "
@@ -62,7 +62,7 @@ def power_in(recording: Recording) -> FloatArray | None:
     return judged.circuit.wire_v * judged.circuit.shunt_v / judged.circuit.shunt_ohm if judged.has_current else None
 
 
-def begins_warm(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
+def why_warm_at_start(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
     """Return how a recording shows that the wire was colder later than in its first rows; "" if it does not.
 
     An instrument of motion shows it, and without one the power of a wire that is heated by its current.

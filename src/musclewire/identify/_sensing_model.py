@@ -80,10 +80,10 @@ def in_sensing_segment(model: SensingModel, recording: Recording, reading: Array
         return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
     some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
     power_w = recording["wire_voltage_v"] ** 2 / some_ohm
-    return dated_back(model, reading.resistance_ohm, power_w, reading.valid)
+    return sensed_since_extremes(model, reading.resistance_ohm, power_w, reading.valid)
 
 
-def dated_back(
+def sensed_since_extremes(
     model: SensingModel, resistance_ohm: FloatArray, power_w: FloatArray, valid: NDArray[np.bool_]
 ) -> NDArray[np.bool_]:
     """Return where the wire is sensed, with each change of segment dated back to the extreme it is counted from.
@@ -257,10 +257,10 @@ def fit(
     if not relative_resistance:
         model = with_gains(model, recording.facts)
     said = (*model.warnings, *unusable, *against)
-    return replace(model, warnings=said, does_not_hold=against_a_loop(model, given))
+    return replace(model, warnings=said, does_not_hold=why_loop_is_wrong(model, given))
 
 
-def against_a_loop(model: SensingModel, recording: Recording) -> str:
+def why_loop_is_wrong(model: SensingModel, recording: Recording) -> str:
     """Return why a loop by a model is wrong, as the recording that it was fitted to shows; "" if nothing does.
 
     Without a current only the average of both branches can be tried, and the model then holds no more than that.
@@ -649,7 +649,7 @@ def estimate(
     check_wire_file(wire_file, estimator)
     whole = estimator == PAPER_ESTIMATOR
     wire = None if wire_file is None else users_wire(wire_file, recording.metadata)
-    columns, reasons = at_once(model, recording) if whole else one_by_one(estimator, model, recording, wire)
+    columns, reasons = by_arrays(model, recording) if whole else by_samples(estimator, model, recording, wire)
     suffix = COLUMN_SUFFIX[model.quantity]
     fell_back = ""
     if wire is not None and estimator == OF_A_WIRE_FILE and not columns["valid"].any():
@@ -719,7 +719,7 @@ def open_loop_instead(
     return estimate_columns(model.quantity, value, std, every), [Reason.OK] * len(recording), said
 
 
-def at_once(model: SensingModel, recording: Recording) -> tuple[dict[str, FloatArray], list[int]]:
+def by_arrays(model: SensingModel, recording: Recording) -> tuple[dict[str, FloatArray], list[int]]:
     """Return the columns of the paper's estimate of a whole recording, and each sample's ``Reason``."""
     reading = resistance_reading(recording)
     result = model.estimate(reading.resistance_ohm)
@@ -732,7 +732,7 @@ def at_once(model: SensingModel, recording: Recording) -> tuple[dict[str, FloatA
     return columns | {"wire_resistance_ohm": reading.resistance_ohm}, reasons.tolist()
 
 
-def one_by_one(
+def by_samples(
     estimator: str | EstimatorFactory, model: SensingModel, recording: Recording, wire: WireConstants | None = None
 ) -> tuple[dict[str, FloatArray], list[int]]:
     """Return the columns of an estimator that runs sample by sample, and each sample's ``Reason``."""

@@ -193,13 +193,13 @@ def draw_columns(axes: Axes, recording: Recording, panel: FigurePanel, names: Se
     """Draw the columns of one panel, with a legend if they are several."""
     for name, colour in zip(names, COLOURS, strict=False):
         values = panel.factor * (recording[name] - panel.zero)
-        axes.plot(recording["time_s"], values, color=colour, label=WORDS.get(name, spoken(name)))
+        axes.plot(recording["time_s"], values, color=colour, label=WORDS.get(name, name_without_unit(name)))
     axes.set_ylabel(panel.label)
     if len(names) > 1:
         axes.legend(loc="best", ncols=len(names) if len(names) < 4 else 2)
 
 
-def spoken(column: str) -> str:
+def name_without_unit(column: str) -> str:
     """Return a column's name without its unit, as in a legend."""
     words = column.split("_")
     return " ".join(words[:-1] if words[-1] in ("m", "n", "k", "v", "a", "pa") else words)
@@ -216,7 +216,7 @@ def resistance_or_none(recording: Recording) -> FloatArray | None:
 
 def control_figure(recording: Recording, style: str) -> StyledFigure:
     """Draw target, estimate and measurement over time, their errors, and the drive."""
-    run = followed(recording)
+    run = tracking_series(recording)
     panels = 2 + ("drive_voltage_v" in recording)
     figure, axes = panel_rows(style, [1.8, 1.0, 0.8][:panels])
     time_s = recording["time_s"]
@@ -272,7 +272,7 @@ def draw_estimate_over_time(
     axes.plot(time_s, np.where(counted, estimated, np.nan), color=HEATING, linestyle="--", label="estimate", zorder=3)
 
 
-def followed(recording: Recording) -> TrackingSeries:
+def tracking_series(recording: Recording) -> TrackingSeries:
     """Return what a run followed; raises RecordingError for a recording without a target."""
     for quantity, suffix in COLUMN_SUFFIX.items():
         if f"target_{suffix}" in recording:

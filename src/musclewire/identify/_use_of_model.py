@@ -69,11 +69,11 @@ def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
         return None
     gains = Gains.read(model.gains, "the gains kept in this model")
     if isinstance(gains.settings, FeedforwardSettings):
-        return Gains(gains.controller, at_period(gains.settings, sample_period_s))
+        return Gains(gains.controller, plant_at_period(gains.settings, sample_period_s))
     return gains
 
 
-def at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
+def plant_at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
     """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
 
     It has the dead time of these samples and, by SIMC, tau_c no shorter than it; for faster ones it is unchanged.

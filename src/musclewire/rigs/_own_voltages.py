@@ -140,7 +140,7 @@ def held_temperature_k(hot: HotWire, drive_voltage_v: float) -> float:
     return high_k
 
 
-def followed(own: OwnVoltages, hot: HotWire) -> tuple[float, float]:
+def voltages_on_circuit(own: OwnVoltages, hot: HotWire) -> tuple[float, float]:
     """Return a wire's amplitude and highest voltage [V] on its circuit; on its own they are its own.
 
     Only an amplitude that would hold the wire above 140 C is lowered to what holds it there.
@@ -177,7 +177,7 @@ def completed(given: GivenVoltages, own: OwnVoltages, hot: HotWire) -> tuple[flo
     """Return amplitude and highest voltage [V] of a rig whose file states both, one or neither."""
     if given.amplitude_v is not None and given.maximum_v is not None:
         return given.amplitude_v, given.maximum_v
-    amplitude_v, maximum_v = followed(own, hot)
+    amplitude_v, maximum_v = voltages_on_circuit(own, hot)
     if given.maximum_v is not None:
         return min(amplitude_v, given.maximum_v), given.maximum_v
     if given.amplitude_v is not None:
@@ -208,11 +208,11 @@ def with_own_voltages(
         if name not in given:
             changed[name] = min(value, readable_v)
     return wire.model_copy(update={
-        name: carried_over(getattr(wire, name), value) for name, value in changed.items() if value != wire[name]
+        name: derived_parameter(getattr(wire, name), value) for name, value in changed.items() if value != wire[name]
     })  # fmt: skip
 
 
-def carried_over(item: Parameter, value: float) -> Parameter:
+def derived_parameter(item: Parameter, value: float) -> Parameter:
     """Return a number of the wire's file for another length, diameter or circuit."""
     source = "that of the wire's file, for its length, diameter and circuit, and no warmer than 140 C"
     return item.model_copy(update={"value": value, "kind": "derived", "source": source, "note": ""})

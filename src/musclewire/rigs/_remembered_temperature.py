@@ -173,7 +173,7 @@ def text_of(identity: str, stored: WireTemperature) -> str:
     return json.dumps({"identity": identity, "temperature_k": stored.temperature_k, **stored.moment._asdict()}) + "\n"
 
 
-def stored_in(text: str, identity: str) -> WireTemperature:
+def parsed_temperature(text: str, identity: str) -> WireTemperature:
     """Return the temperature that a text keeps. Raises ValueError for what is none, or of another device."""
     try:
         found = json.loads(text)
@@ -195,7 +195,7 @@ def rest_s(limits: ProtectionLimits) -> float:
     return REST_TIME_CONSTANTS * limits.heat.lag_s
 
 
-def outdated(moment: Moment, present: Moment, limits: ProtectionLimits) -> str | None:
+def why_outdated(moment: Moment, present: Moment, limits: ProtectionLimits) -> str | None:
     """Return why what was written at a moment says nothing of now, None if it does."""
     if present.boot != moment.boot or present.awake_s - moment.awake_s < -AHEAD_S:
         return "the machine has been started again since it was known"
@@ -274,7 +274,7 @@ def opened(
     temperature_k = warmest_k(limits.ambient_temperature_k, limits, inf)
     try:
         text = kept.read()
-        stored = None if text is None else stored_in(text, identity)
+        stored = None if text is None else parsed_temperature(text, identity)
     except (OSError, ValueError) as problem:
         why = f"{kept.place} cannot be read: {in_one_line(problem)}"
     else:
@@ -282,7 +282,7 @@ def opened(
             why = "this system does not say when it was started"
         elif stored is None:
             why = "it is opened for the first time"
-        elif (why := outdated(stored.moment, present, limits)) is None:
+        elif (why := why_outdated(stored.moment, present, limits)) is None:
             temperature_k = cooled_k(stored, limits, present)
     resting_s = 0.0
     if why is not None and rest_s(limits) > 0.0:

@@ -92,8 +92,8 @@ class ReplayDevice:
         """
         self._configuration = configuration
         self._path = Path(configuration.recording)
-        recording = as_recorded(self._path)
-        self._known = known_of(recording, configuration)
+        recording = recording_with_errors(self._path)
+        self._known = recorded_facts(recording, configuration)
         self._samples = samples_of(recording, self._path, float(self._of_rig("shunt_resistance_ohm", "shunt")))
         period_s = float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
         amplitude_v = float(self._of_rig("drive_amplitude_v", "drive_amplitude"))
@@ -227,7 +227,7 @@ class ReplayDevice:
         return True
 
 
-def as_recorded(path: Path) -> Recording:
+def recording_with_errors(path: Path) -> Recording:
     """Return a recording's rows with their errors: gaps and clocks that run backwards are for the protection to detect.
 
     Raises RecordingError for a file that is not a recording.
@@ -236,7 +236,7 @@ def as_recorded(path: Path) -> Recording:
     return recording.with_minor_loop
 
 
-def known_of(recording: Recording, given: ReplayConfiguration) -> Metadata:
+def recorded_facts(recording: Recording, given: ReplayConfiguration) -> Metadata:
     """Return the facts of the recorded rig, by the keys of metadata; the rig file replaces those of the recording."""
     said = {
         "wire": given.wire,

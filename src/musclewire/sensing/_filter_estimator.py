@@ -259,7 +259,7 @@ def advanced(
 
 
 @compiled_inner
-def root_of(covariance: FloatArray, root: FloatArray) -> None:
+def write_cholesky_factor(covariance: FloatArray, root: FloatArray) -> None:
     """Write the Cholesky factor of a covariance; both are lower triangles, row by row."""
     for row in range(STATES):
         first = row * (row + 1) // 2
@@ -382,7 +382,7 @@ def predict(filtered: Filtered, power_w: float, dt_s: float) -> float:
     """Take mean and covariance through the heat balance and the play, add what these leave out; return the change."""
     numbers, state, covariance, tables = filtered
     root, powers, places = np.zeros(STATES * STATES), np.empty(POINTS), np.empty(POINTS)
-    root_of(covariance, root)
+    write_cholesky_factor(covariance, root)
     mean_w = mean_place = 0.0
     for point in range(POINTS):
         column, away = point // 2, AWAY - 2.0 * AWAY * (point % 2)
@@ -434,7 +434,7 @@ def correct(filtered: Filtered, read: float, noise: float, dt_s: float, change_w
     """
     numbers, state, covariance, tables = filtered
     root, wide = np.empty(STATES * STATES), np.ones(STATES)
-    root_of(covariance, root)
+    write_cholesky_factor(covariance, root)
     steady_w, place = state.steady_w, state.place
     middle = modelled(numbers, tables, steady_w, place)
     own = numbers.resistance_std * numbers.resistance_std

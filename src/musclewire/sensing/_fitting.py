@@ -137,7 +137,7 @@ def fit_branches(
     high_ohm = float(curves[0].resistance_ohm[-1]) if resistance_max_ohm is None else resistance_max_ohm
     check_resistance_range(low_ohm, high_ohm)
     shared = _shared_range(curves, low_ohm, high_ohm)
-    points = [_inside(fit_points(curve, low_ohm, high_ohm), shared) for curve in curves]
+    points = [_points_within(fit_points(curve, low_ohm, high_ohm), shared) for curve in curves]
     _check_counts(points)
     chosen = choose_order(points) if isinstance(order, str) else order
     fits = [fit_polynomial(p, chosen, name) for p, name in zip(points, ("heating", "cooling"), strict=True)]
@@ -200,7 +200,7 @@ def _shared_range(curves: tuple[Branch, Branch], low_ohm: float, high_ohm: float
     return low, high
 
 
-def _inside(points: FitPoints, shared: tuple[float, float]) -> FitPoints:
+def _points_within(points: FitPoints, shared: tuple[float, float]) -> FitPoints:
     """Return the points in the range of both branches; a rounding error does not lose the end point."""
     inside = (points.normalised_resistance >= shared[0] - 1e-9) & (points.normalised_resistance <= shared[1] + 1e-9)
     return FitPoints(points.normalised_resistance[inside], points.quantity[inside], points.weights[inside])

@@ -131,16 +131,17 @@ def by_motion(known: HeatBalanceFound, motion: WireMotion) -> HeatBalanceFound:
     first = np.log([tau_s, heat_j / tau_s])
     away = np.linspace(-BEGUN_WITHIN * tau_std, BEGUN_WITHIN * tau_std, BEGINNINGS)
     found = min(
-        (first + np.array([one, 0.0]) for one in away), key=lambda one: unlikeliness(motion, ends, one, first, before)
+        (first + np.array([one, 0.0]) for one in away),
+        key=lambda one: negative_log_likelihood(motion, ends, one, first, before),
     )
     bounded, by_rows = 1.0, np.zeros((2, 2))
     for _ in range(STEPS):
-        left = misfits(motion, ends, found)
-        weights = [weight_of(one) for one in left]
+        left = residuals_at_ends(motion, ends, found)
+        weights = [row_weight(one) for one in left]
         slopes = np.column_stack(
             [
-                weighted(misfits(motion, ends, found + away), weights)
-                - weighted(misfits(motion, ends, found - away), weights)
+                weighted(residuals_at_ends(motion, ends, found + away), weights)
+                - weighted(residuals_at_ends(motion, ends, found - away), weights)
                 for away in HALF_DIFFERENCE * np.eye(2)
             ]
         ) / (2.0 * HALF_DIFFERENCE)
@@ -160,11 +161,11 @@ def by_motion(known: HeatBalanceFound, motion: WireMotion) -> HeatBalanceFound:
     )
 
 
-def unlikeliness(
+def negative_log_likelihood(
     motion: WireMotion, ends: list[NDArray[np.intp]], at: FloatArray, first: FloatArray, before: FloatArray
 ) -> float:
     """Return minus the logarithm of a heat balance's likelihood, at the scatter that it leaves and as known before."""
-    left = misfits(motion, ends, at)
+    left = residuals_at_ends(motion, ends, at)
     of_rows = sum(independent(one) * math.log(max(float(one @ one) / one.size, MIN_NOISE**2)) for one in left)
     return 0.5 * (of_rows + float((at - first) @ before @ (at - first)))
 
@@ -186,7 +187,7 @@ def rows_at_rest(motion: WireMotion, settled_s: float) -> list[NDArray[np.intp]]
     return [rows for rows in ends if rows.size >= FEWEST_ROWS]
 
 
-def misfits(motion: WireMotion, ends: list[NDArray[np.intp]], logarithms: FloatArray) -> list[FloatArray]:
+def residuals_at_ends(motion: WireMotion, ends: list[NDArray[np.intp]], logarithms: FloatArray) -> list[FloatArray]:
     """Return what no quadratic in the steady power and no line in the place explains of the resistance, at each end."""
     steady = steady_power_w(motion, math.exp(logarithms[0]), math.exp(logarithms.sum()))
     found = []
@@ -197,7 +198,7 @@ def misfits(motion: WireMotion, ends: list[NDArray[np.intp]], logarithms: FloatA
     return found
 
 
-def weight_of(left: FloatArray) -> float:
+def row_weight(left: FloatArray) -> float:
     """Return the weight of an end's rows: by their scatter, and only as many as change sides independently."""
     return math.sqrt(independent(left) / left.size / max(float(left @ left) / left.size, MIN_NOISE**2))
 

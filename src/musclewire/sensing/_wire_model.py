@@ -154,13 +154,13 @@ def found_wire_model(
         lowest_power_w=deviated("lowest_power_w", range_w),
         highest_power_w=deviated("highest_power_w", range_w),
         sensed_from=seen_from,
-        time_constant_s=said_of_need(wire.time_constant_s, no_need),
-        heat_j_per_unit=said_of_need(wire.heat_j_per_unit, no_need),
+        time_constant_s=with_need_in_origin(wire.time_constant_s, no_need),
+        heat_j_per_unit=with_need_in_origin(wire.heat_j_per_unit, no_need),
         minor_loops=wire.minor_loops if turning is None else law_of_minor_loops(wire, known, turning),
     )
 
 
-def said_of_need(number: WireNumber, no_need: bool) -> WireNumber:
+def with_need_in_origin(number: WireNumber, no_need: bool) -> WireNumber:
     """Return a number that says if the loop was so slow that its branches do not depend on the heat balance."""
     return replace(number, origin=f"{number.origin}{SLOW_ENOUGH if no_need else ''}")
 

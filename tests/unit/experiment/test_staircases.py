@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment._speed_limits import followed, staircase_within
+from musclewire.experiment._speed_limits import checked_reference, staircase_within
 from musclewire.sensing import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)
@@ -41,4 +41,4 @@ def test_a_model_that_senses_too_little_gets_no_staircase() -> None:
 @pytest.mark.parametrize("wrong", [0.02, [0.01, 0.02], staircase])
 def test_what_is_no_reference_is_told_what_makes_one(wrong: Any) -> None:
     with pytest.raises(CallerError, match=r"made by staircase.* or sampled_reference.*, not an? (float|list|function)"):
-        followed(STRAIN, wrong)
+        checked_reference(STRAIN, wrong)

@@ -21,7 +21,7 @@ def noted(arrivals_ns: list[int], paced: bool = True, callback_ns: int = 0) -> L
     before = 0
     for at in arrivals_ns:
         timing.sampled(before + 50_000, at)
-        timing.called_back(callback_ns)
+        timing.record_callback(callback_ns)
         before = at
     return timing
 

@@ -15,7 +15,7 @@ from musclewire.controllers import sampled_reference, staircase
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify import FastestWay, speed_limits_of
 from musclewire.identify._speed_limits.limits import diameter_for
-from musclewire.identify._speed_limits.plant import SpeedPlant, followed
+from musclewire.identify._speed_limits.plant import SpeedPlant, fastest_course
 from musclewire.signals import RunFacts
 
 LEVELS = np.linspace(0.005, 0.035, 33)
@@ -58,7 +58,7 @@ def test_latent_heat_over_the_mean_power_is_added() -> None:
 
 
 def test_a_step_down_first_crosses_the_gap_and_then_cools_exponentially() -> None:
-    found = followed(plant(), np.r_[0.03, np.full(60, 0.005)], 0.01)
+    found = fastest_course(plant(), np.r_[0.03, np.full(60, 0.005)], 0.01)
     power = HEATING_W[0] + (HEATING_W[1] - HEATING_W[0]) * 25.0 / 30.0
     stands = TAU_S * math.log((power - 0.01) / (power - 0.1 - 0.01))
     assert np.all(found[: int(stands / 0.01)] == pytest.approx(0.03))
@@ -115,7 +115,7 @@ def test_loss_over_capacity_goes_with_the_diameter_to_a_power_between_one_and_tw
 @given(frequency_hz=st.floats(0.05, 2.0), loss=st.floats(1.0, 4.0))
 def test_more_loss_never_cools_more_slowly(frequency_hz: float, loss: float) -> None:
     assert np.all(plant(2.5).with_loss(loss).cooling_times_s() <= plant(2.5).cooling_times_s() + 1e-12)
-    assert np.all(np.isfinite(followed(plant(2.5), sine(frequency_hz).target, 0.05)))
+    assert np.all(np.isfinite(fastest_course(plant(2.5), sine(frequency_hz).target, 0.05)))
 
 
 def test_what_is_not_known_is_said() -> None:

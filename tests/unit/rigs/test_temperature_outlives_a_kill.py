@@ -22,7 +22,7 @@ from musclewire.rigs._remembered_temperature import (
     RememberedTemperature,
     WireTemperature,
     opened,
-    stored_in,
+    parsed_temperature,
     text_of,
 )
 
@@ -82,7 +82,7 @@ def test_a_file_is_whole_whenever_its_writer_is_killed_and_parts_are_gone_after_
     done = subprocess.run(command(WRITES_AND_DIES, BOARD, 200, 7), capture_output=True, text=True, check=True)
     found = [line for line in done.stdout.splitlines() if line]
     assert len(found) > 100
-    temperatures_k = [stored_in(line, BOARD).temperature_k for line in found]
+    temperatures_k = [parsed_temperature(line, BOARD).temperature_k for line in found]
     assert all(300.0 <= one <= 499.0 for one in temperatures_k)
     assert len(set(temperatures_k)) > 50
     kept = KeptFile(BOARD)
@@ -95,13 +95,13 @@ def test_a_file_is_whole_whenever_its_writer_is_killed_and_parts_are_gone_after_
 @posix
 def test_the_thread_keeps_what_a_killed_program_has_noted() -> None:
     def is_kept() -> bool:
-        return kept.path().exists() and stored_in(kept.path().read_text("utf-8"), BOARD).temperature_k >= 400.0
+        return kept.path().exists() and parsed_temperature(kept.path().read_text("utf-8"), BOARD).temperature_k >= 400.0
 
     kept = KeptFile(BOARD)
     with subprocess.Popen(command(NOTES), cwd=CHECKOUT) as program:
         until(is_kept)
         program.kill()
-    stored = stored_in(kept.path().read_text("utf-8"), BOARD)
+    stored = parsed_temperature(kept.path().read_text("utf-8"), BOARD)
     assert 400.0 <= opened(BOARD, LIMITS, kept, stored.moment).temperature_k <= LIMIT_K
 
 

@@ -54,7 +54,7 @@ def current(seen: Examined) -> Outcome:
     return Outcome(ok, found_a, {"least_ma": 1e3 * MIN_SENSE_CURRENT_A}, "" if ok else said)
 
 
-def in_place(seen: Examined) -> Outcome | str:
+def channels_in_place(seen: Examined) -> Outcome | str:
     """Check that wire and shunt channels are not swapped, if their resistances differ enough to decide."""
     measured, shunt, right = abs(seen.resistance_ohm), seen.rig.shunt_resistance_ohm, seen.right_ohm
     if right is None:
@@ -86,7 +86,7 @@ def resistance(seen: Examined) -> Outcome | str:
     return Outcome(ok, seen.resistance_ohm, numbers, "" if ok else likely)
 
 
-def in_window(seen: Examined) -> Outcome:
+def resistance_in_window(seen: Examined) -> Outcome:
     """Check the wire's resistance against the protection's window."""
     low, high = seen.limits.resistance_low_ohm, seen.limits.resistance_high_ohm
     return Outcome(low <= seen.resistance_ohm <= high, seen.resistance_ohm, {"low": low, "high": high})

@@ -65,7 +65,7 @@ class CheckRow(NamedTuple):
         return RigCheck(self.name, found.ok, found.value, self.unit, advice)
 
 
-def too_few(seen: Examined) -> str | None:
+def why_not_judged(seen: Examined) -> str | None:
     """Return why the wiring cannot be judged; None if it can."""
     why = "too few valid samples" if seen.low else "the rig gave no sample at all"
     return None if seen.has_fits else why
@@ -76,7 +76,7 @@ BELOW = (
     CheckRow("identity", "", sense_checks.identity, "identity"),
     CheckRow("protection", "", sense_checks.protection, "protection"),
     CheckRow("readings_are_numbers", "samples", channel_checks.finite, "finite", ("low",), True),
-    CheckRow("wiring", "", too_few, ""),
+    CheckRow("wiring", "", why_not_judged, ""),
     CheckRow("readings_in_range", "1", channel_checks.in_range, "in_range", FITS, True),
     CheckRow("wire_channel_alive", "different readings", partial(channel_checks.alive, "wire"), "alive", FITS, True),
     CheckRow("wire_polarity", "V/V", partial(channel_checks.polarity, "wire"), "polarity", FITS, True),
@@ -87,9 +87,9 @@ BELOW = (
     CheckRow("sense_current_a", "A", circuit_checks.current, "current", FITS, True),
     CheckRow("shunt_share", "1", circuit_checks.shunt_share, "share", CURRENT),
     CheckRow("outside_resistance_ohm", "ohm", circuit_checks.outside, "outside", CURRENT),
-    CheckRow("channels_in_place", "ohm", circuit_checks.in_place, "in_place", CURRENT, True),
+    CheckRow("channels_in_place", "ohm", circuit_checks.channels_in_place, "in_place", CURRENT, True),
     CheckRow("wire_resistance_ohm", "ohm", circuit_checks.resistance, "resistance", CURRENT, True),
-    CheckRow("resistance_in_window", "ohm", circuit_checks.in_window, "window", CURRENT, True),
+    CheckRow("resistance_in_window", "ohm", circuit_checks.resistance_in_window, "window", CURRENT, True),
     CheckRow("wire_offset_v", "V", partial(channel_checks.offset, "wire"), "offset", FITS),
     CheckRow("shunt_offset_v", "V", partial(channel_checks.offset, "shunt"), "offset", FITS),
 )

@@ -161,14 +161,14 @@ def read_one(name: str, reading: ReadingOptions) -> Recording:
 
     ``zero`` leaves force as it is, because the load on the wire counts, and isobars, which have one zero of strain.
     """
-    recording = replace(reading, column=meant_for(name, reading.column), zero=False).read(name)
+    recording = replace(reading, column=mappings_for(name, reading.column), zero=False).read(name)
     if not reading.zero or recording.is_isobar_table:
         return recording
     strains = [key for key in ("displacement_m", "reference_strain") if key in recording]
     return recording.with_columns({key: recording[key] - recording[key][0] for key in strains})
 
 
-def meant_for(name: str, column: list[str] | None) -> list[str] | None:
+def mappings_for(name: str, column: list[str] | None) -> list[str] | None:
     """Return those of the mappings that are for this file: none for our own, by number for files without headers."""
     if not column or Path(name).suffix.lower() in OWN_FORMAT or not Path(name).exists():
         return None

@@ -14,4 +14,4 @@ from ._reproduce.reproduction import SeedCallbacks as SeedCallbacks
 from ._reproduce.reproduction import numbers_of_seeds as numbers_of_seeds
 from ._reproduce.section2 import FORCE_RATIOS as FORCE_RATIOS
 from ._reproduce.verdicts import ReproductionRow as ReproductionRow
-from ._reproduce.verdicts import judged as judged
+from ._reproduce.verdicts import row_of_check as row_of_check

@@ -118,7 +118,7 @@ def homed_model(
     home = home_move(model, recording, found, moved)
     home = replace(home, load_n=assumed_n, ambient_k=air.measured_k, cycles=cycles)
     return Homing(
-        model=replace(with_resistances(model, *moved_line(model, moved)) if moved.corrects else model, home=home),
+        model=replace(with_resistances(model, *scale_and_offset(model, moved)) if moved.corrects else model, home=home),
         home=home,
         resistance_max_moved_ohm=moved.at_b_ohm,
         resistance_max_moved_std_ohm=moved.std_at_b_ohm,
@@ -287,11 +287,11 @@ def require_complete(model: SensingModel, seen: SeenPoints) -> float:
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     fell = (seen.heating_b_ohm - seen.lowest_ohm) / span_ohm
     if fell < MIN_FALL:
-        raise not_complete(f"the resistance fell by {100 * fell:.0f} % of the loop's {span_ohm:.3g} ohm", MIN_FALL)
+        raise incomplete_sweep(f"the resistance fell by {100 * fell:.0f} % of the loop's {span_ohm:.3g} ohm", MIN_FALL)
     return seen.heating_b_ohm
 
 
-def not_complete(shown: str, needed: float) -> RecordingError:
+def incomplete_sweep(shown: str, needed: float) -> RecordingError:
     """Return the error of a sweep that ended before the loop's hottest point."""
     return RecordingError(
         f"the sweep is not complete: {shown}, {100 * needed:.0f} % are needed; a draught, colder air, a larger load or "
@@ -302,7 +302,7 @@ def not_complete(shown: str, needed: float) -> RecordingError:
 def require_one_wire(model: SensingModel, found: Overlay) -> None:
     """Raise RecordingError for a sweep that ends before the loop, and FitRejectedError for one of another shape."""
     if found.covered < MIN_COVERED:
-        raise not_complete(f"it passed {100 * found.covered:.0f} % of what the loop shows", MIN_COVERED)
+        raise incomplete_sweep(f"it passed {100 * found.covered:.0f} % of what the loop shows", MIN_COVERED)
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     if found.misfit_ohm > MAX_MISFIT * span_ohm:
         raise FitRejectedError(
@@ -315,7 +315,7 @@ def home_move(model: SensingModel, recording: Recording, found: Overlay, moved: 
     """Return what the model's file keeps, counted from the characterization."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     span_ohm = high_ohm - low_ohm
-    scale, offset_ohm = moved_line(model, moved) if moved.corrects else (1.0, 0.0)
+    scale, offset_ohm = scale_and_offset(model, moved) if moved.corrects else (1.0, 0.0)
     scale_std = hypot(moved.std_at_c_ohm, moved.std_at_b_ohm) / span_ohm
     before = model.home
     was = (1.0, 0.0) if before is None else (before.resistance_scale, before.resistance_offset_ohm)
@@ -338,7 +338,7 @@ def home_move(model: SensingModel, recording: Recording, found: Overlay, moved: 
     )
 
 
-def moved_line(model: SensingModel, moved: WireChange) -> tuple[float, float]:
+def scale_and_offset(model: SensingModel, moved: WireChange) -> tuple[float, float]:
     """Return scale and offset [ohm] of today's resistance over the model's."""
     low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
     scale = 1.0 + (moved.at_b_ohm - moved.at_c_ohm) / (high_ohm - low_ohm)

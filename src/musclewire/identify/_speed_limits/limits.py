@@ -17,7 +17,7 @@ from musclewire.errors import CallerError
 from musclewire.identify._speed_limits.plant import (
     SpeedPlant,
     branches_of,
-    followed,
+    fastest_course,
     plant_of_gains,
     plant_of_model,
     towards,
@@ -254,7 +254,7 @@ class SampledTargets(NamedTuple):
     def misses(self, plant: SpeedPlant) -> FloatArray:
         """Return by how much the wire is above each held target when that ends, (n_held,)."""
         last = self.held_until
-        return np.asarray((followed(plant, self.targets, self.period_s) - self.targets)[last])
+        return np.asarray((fastest_course(plant, self.targets, self.period_s) - self.targets)[last])
 
 
 def speed_limits_of(
@@ -277,7 +277,7 @@ def speed_limits_of(
     plant = plant_of_model(model, facts) if settings is None else plant_of_gains(settings, facts)
     way = sampled(reference, facts.sample_period_s)
     tolerance = TOLERANCE_FRACTION * (model.quantity_max - model.quantity_min)
-    reached = followed(plant, way.targets, way.period_s)
+    reached = fastest_course(plant, way.targets, way.period_s)
     found = findings_of(plant, way, reached, tolerance)
     turns = np.count_nonzero(np.diff(np.sign(np.diff(way.targets[way.held_until]))))
     settled = slice(len(reached) // 2 if turns >= FEWEST_TURNS else 0, None)

@@ -176,7 +176,7 @@ def branches_of(plant: SpeedPlant) -> tuple[TimedBranch, TimedBranch]:
     )
 
 
-def followed(plant: SpeedPlant, targets: FloatArray, period_s: float) -> FloatArray:
+def fastest_course(plant: SpeedPlant, targets: FloatArray, period_s: float) -> FloatArray:
     """Return where the wire is at the end of each period, (n,), if each target holds for one period.
 
     It begins at the first target, on the heating branch; between the branches only its temperature changes. No

@@ -14,7 +14,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.controllers import Staircase
-from musclewire.identify._speed_limits.plant import SpeedPlant, followed, mean_excess_w
+from musclewire.identify._speed_limits.plant import SpeedPlant, fastest_course, mean_excess_w
 from musclewire.sensing import SHOWN_AS
 
 # A step is named whose error by the supply alone is above this part of its target [%]: near the paper's largest.
@@ -67,7 +67,7 @@ def min_errors_pct(plant: SpeedPlant, steps: Staircase, sample_period_s: float, 
     times_s = sample_period_s * np.arange(1, round(steps.duration_s / sample_period_s) + 1)
     targets = steps.targets_at(times_s - sample_period_s)
     warms = int(min(math.ceil(min(warming_s(plant, dead_time_s), steps.duration_s) / sample_period_s), len(targets)))
-    on_branch = followed(plant, np.concatenate([plant.levels[:1], targets[warms:]]), sample_period_s)[1:]
+    on_branch = fastest_course(plant, np.concatenate([plant.levels[:1], targets[warms:]]), sample_period_s)[1:]
     below = np.maximum(targets - np.concatenate([np.zeros(warms), on_branch]), 0.0)
     counted = [
         (times_s > step.start_s + min(SETTLE_S, 0.5 * steps.hold_s)) & (times_s <= step.stop_s) for step in steps.steps

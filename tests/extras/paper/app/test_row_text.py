@@ -13,7 +13,14 @@ from musclewire.extras.paper._page.row_text import (
     limit_text,
     paper_text,
 )
-from musclewire.extras.paper._reproduce import PaperCheck, ReproductionRow, RunCache, SeedResult, all_checks, judged
+from musclewire.extras.paper._reproduce import (
+    PaperCheck,
+    ReproductionRow,
+    RunCache,
+    SeedResult,
+    all_checks,
+    row_of_check,
+)
 from musclewire.extras.paper._reproduce.paper_checks import Compare, Kind, subject_of
 
 
@@ -21,7 +28,7 @@ def row(
     ours: float, paper: float, tolerance: float, compare: Compare = "within", kind: Kind = "printed"
 ) -> ReproductionRow:
     check = PaperCheck("fig0.x", paper, "ohm", tolerance, "because", kind, lambda _: ours, compare, origin="predicted")
-    return judged(check, [SeedResult(ours)], {})
+    return row_of_check(check, [SeedResult(ours)], {})
 
 
 @pytest.mark.parametrize(
@@ -47,7 +54,7 @@ def test_every_subject_has_a_title_and_every_figure_its_rows() -> None:
 
 
 def test_every_row_is_called_by_words_and_no_two_of_a_figure_alike() -> None:
-    checks = {check.name: row_name(judged(check, [SeedResult(1.0)], {})) for check in all_checks()}
+    checks = {check.name: row_name(row_of_check(check, [SeedResult(1.0)], {})) for check in all_checks()}
     keys = {name.partition(".")[2].partition("[")[0] for name in checks}
     assert keys == {key.rpartition(".")[2] for key in row_words()["words"]}
     assert [name for name, called in checks.items() if re.search(r"_(?!min|max)|\[", called.whole)] == []

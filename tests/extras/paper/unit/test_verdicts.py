@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
-from musclewire.extras.paper._reproduce import PaperCheck, SeedResult, counts_by_origin, judged
+from musclewire.extras.paper._reproduce import PaperCheck, SeedResult, counts_by_origin, row_of_check
 from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
 from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, median_interval, spread_of
 
@@ -25,7 +25,7 @@ def check(compare: Compare = "within", paper: float = 2.0, tolerance: float = 0.
 
 def row(*ours: float | None, compare: Compare = "within") -> ReproductionRow:
     found = [SeedResult(None, "no loop") if number is None else SeedResult(number) for number in ours]
-    return judged(check(compare), found, {})
+    return row_of_check(check(compare), found, {})
 
 
 @pytest.mark.parametrize("count", range(6, 140, 7))
@@ -75,7 +75,7 @@ def test_seeds_without_a_number_are_counted_and_a_tenth_of_them_fails_the_row() 
 
 
 def test_a_known_failure_still_fails_and_carries_its_reason() -> None:
-    found = judged(check(), [SeedResult(9.0)], {"fig0.number": "the wire is no wire"})
+    found = row_of_check(check(), [SeedResult(9.0)], {"fig0.number": "the wire is no wire"})
     assert not found.ok
     assert found.known_failure
     assert found.known_reason == "the wire is no wire"

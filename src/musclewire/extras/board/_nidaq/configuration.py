@@ -97,7 +97,7 @@ def layout_of(sample_period_s: float, reading_rate_hz: float, readings: int, *, 
     return layout
 
 
-def not_zero(value: float) -> float:
+def nonzero_scale(value: float) -> float:
     """Refuse a scale of 0 per volt; a negative one reverses a sensor."""
     if value == 0.0:
         raise ValueError("a scale of 0 per volt would measure nothing: give the instrument's")
@@ -109,9 +109,9 @@ Hertz = Annotated[float, measured_in("Hz"), Field(gt=0.0, allow_inf_nan=False)]
 RangeVolts = Annotated[float, measured_in("V"), Field(gt=0.0, le=60.0)]
 Volts = Annotated[float, measured_in("V"), Field(allow_inf_nan=False)]
 Gain = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-MetresPerVolt = Annotated[float, measured_in("m/V"), AfterValidator(not_zero), Field(allow_inf_nan=False)]
+MetresPerVolt = Annotated[float, measured_in("m/V"), AfterValidator(nonzero_scale), Field(allow_inf_nan=False)]
 Metres = Annotated[float, measured_in("m"), Field(allow_inf_nan=False)]
-NewtonsPerVolt = Annotated[float, measured_in("N/V"), AfterValidator(not_zero), Field(allow_inf_nan=False)]
+NewtonsPerVolt = Annotated[float, measured_in("N/V"), AfterValidator(nonzero_scale), Field(allow_inf_nan=False)]
 Newtons = Annotated[float, measured_in("N"), Field(allow_inf_nan=False)]
 
 

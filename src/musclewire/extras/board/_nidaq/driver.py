@@ -61,7 +61,7 @@ class DaqFaultError(RigError):
         self.code = code
 
 
-def explained(error: Any, device: str) -> DaqFaultError:
+def daq_fault(error: Any, device: str) -> DaqFaultError:
     """Return one of nidaqmx's exceptions as a fault of one line.
 
     Takes ``DaqError``, ``DaqNotFoundError``, ``DaqNotSupportedError``, ``DaqFunctionNotSupportedError`` and
@@ -132,7 +132,7 @@ class AcquisitionCard:
         try:
             yield
         except self.package.errors.Error as error:
-            raise explained(error, self.device) from None
+            raise daq_fault(error, self.device) from None
 
     def task(self) -> Any:
         """Return a new task of the driver."""

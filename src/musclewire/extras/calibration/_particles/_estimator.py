@@ -15,7 +15,7 @@ from musclewire.extras.calibration._particles._cloud import cloud_at_rest, cloud
 from musclewire.extras.calibration._particles._explanations import (
     ExplanationEstimate,
     after_sample,
-    combined,
+    combined_estimate,
     weights_of,
 )
 from musclewire.extras.calibration._particles._kernel import (
@@ -125,7 +125,7 @@ class ParticleFilter:
             gained = [answer[SUMMARY.evidence] for answer in answers]
             evidence = after_sample(evidence, gained, measured.duration_s, self._settings)
         opinions = self._opinions(answers, seen if seen.reason is Reason.OK else None)
-        value, std = combined(opinions, evidence, self._settings) if readable else (state.value, self._range)
+        value, std = combined_estimate(opinions, evidence, self._settings) if readable else (state.value, self._range)
         weight = weights_of(evidence, self._settings.load_cost, 1.0)
         shown = weight @ np.array(answers)
         reason = seen.reason if seen.reason is not Reason.OK else self._doubts(shown[SUMMARY.misfit], std)

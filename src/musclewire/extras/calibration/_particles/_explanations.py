@@ -39,7 +39,7 @@ def weights_of(evidence: Sequence[float], cost: float, softness: float) -> Float
     return np.asarray(weight / weight.sum())
 
 
-def combined(
+def combined_estimate(
     opinions: Sequence[ExplanationEstimate], evidence: Sequence[float], settings: ParticleSettings
 ) -> ExplanationEstimate:
     """Return the value by the weights of the explanations, and a deviation that doubts these weights.

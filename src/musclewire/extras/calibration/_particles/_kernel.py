@@ -189,7 +189,7 @@ def calibrated_of(k: StepConstants) -> VariedConstants:
 
 
 @compiled_inner
-def suppose(k: StepConstants, known: VariedConstants, unknown: FloatArray) -> None:
+def set_hypothesis(k: StepConstants, known: VariedConstants, unknown: FloatArray) -> None:
     """Set the constants to those of a hypothesis."""
     k.ambient_temperature_k = known.ambient_k + unknown[AMBIENT]
     k.surface_factor_m2 = known.surface_m2 * math.exp(unknown[CONVECTION])
@@ -205,12 +205,12 @@ def advance_all(cloud: ParticleCloud, wire: HypothesisWire, measured: ParticleSa
     k, cells, load = wire.constants[0], wire.cells[0], wire.load[0]
     known = calibrated_of(k)
     for one in range(cloud.unknowns.shape[0]):
-        suppose(k, known, cloud.unknowns[one])
+        set_hypothesis(k, known, cloud.unknowns[one])
         running = RunningWire(cloud.wires[one], k, cells, load)
         resistance_ohm, contraction, force_n = advance_heated(running, measured.power_w, measured.duration_s)
         shown[0, one] = resistance_ohm * math.exp(cloud.unknowns[one, RESISTANCE])
         shown[1, one], shown[2, one] = contraction, force_n
-    suppose(k, known, np.zeros(N_UNKNOWNS))
+    set_hypothesis(k, known, np.zeros(N_UNKNOWNS))
 
 
 @compiled_inner
@@ -339,7 +339,7 @@ def follow_history(
     """Run a wire through the kept samples; return likelihood, and what it shows; end early below ``least``."""
     k, cells, load = wire.constants[0], wire.cells[0], wire.load[0]
     known = calibrated_of(k)
-    suppose(k, known, unknown)
+    set_hypothesis(k, known, unknown)
     running = RunningWire(tried[0], k, cells, load)
     likelihood, seen = 0.0, (0.0, 0.0, 0.0)
     for place in range(int(cloud.clock[CLOCK.kept])):
@@ -354,7 +354,7 @@ def follow_history(
             likelihood -= 0.5 * error_ohm * error_ohm / sample[HISTORY.variance_ohm2]
         if not likelihood > least:
             break
-    suppose(k, known, np.zeros(N_UNKNOWNS))
+    set_hypothesis(k, known, np.zeros(N_UNKNOWNS))
     return likelihood, seen
 
 

@@ -22,7 +22,7 @@ from musclewire.extras.calibration._physical.posterior import (
     covariance,
     estimates,
     excess_variance,
-    widened,
+    widened_covariance,
 )
 from musclewire.extras.calibration._physical.recording_kinds import (
     StartingPoint,
@@ -140,7 +140,7 @@ def calibration_of(
     excess = excess_variance(observed, unknowns)
     stretches = [channel.measured.size for item in problem.observations for channel in item.channels]
     laplace = covariance(derivative, excess)
-    spread = widened(laplace, derivative, observed, result.coordinates, stretches, result.best_ends)
+    spread = widened_covariance(laplace, derivative, observed, result.coordinates, stretches, result.best_ends)
     deviation = np.sqrt(np.diag(spread))
     items = tuple(estimates(problem.candidates, result.coordinates, deviation))
     source = f"fitted by musclewire calibrate to {', '.join(inputs.sources)}"

@@ -55,14 +55,14 @@ def start_of(
             + ")"
         )
     if diameter is not None:
-        named = of_diameter(named, diameter)
+        named = wire_of_diameter(named, diameter)
     driven = [item["drive_voltage_v"].max() for item in recordings.values() if "drive_voltage_v" in item]
     if driven and max(driven) > 0.0:
-        named = of_drive(named, float(max(driven)))
+        named = wire_with_drive(named, float(max(driven)))
     return StartingPoint(load_alloy(named.alloy), named, load_bench("paper")), notes
 
 
-def of_diameter(wire: Wire, diameter_m: float) -> Wire:
+def wire_of_diameter(wire: Wire, diameter_m: float) -> Wire:
     """Return a wire drawn to another diameter; forces and resistance follow from its cross section."""
     ratio = (diameter_m / wire.diameter_m.value) ** 2
     if ratio == 1.0:
@@ -79,7 +79,7 @@ def of_diameter(wire: Wire, diameter_m: float) -> Wire:
     return wire.model_copy(update=changes)
 
 
-def of_drive(wire: Wire, highest_v: float) -> Wire:
+def wire_with_drive(wire: Wire, highest_v: float) -> Wire:
     """Return a wire with the drive voltages of its recordings."""
     source = "the highest drive in the recordings"
     amplitude = Parameter(value=highest_v, unit="V", kind="measured", source=source)

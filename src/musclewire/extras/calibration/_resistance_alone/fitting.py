@@ -217,13 +217,13 @@ def fit_resistance(
         )
     notes: tuple[str, ...] = ()
     if known.stroke_m is not None:
-        coarse = too_coarse(found, known)
+        coarse = why_marks_are_left_out(found, known)
         if coarse:
             notes = (coarse,)
         else:
             observation = ResistanceAndMarks(observation.driven, known)
             found = possible_of(assumed, observation, fitted, seed, found.coordinates)
-    return result_of(found, anchored(found, recording, observation, assumed), known, assumed, notes)
+    return result_of(found, model_between_measured_ends(found, recording, observation, assumed), known, assumed, notes)
 
 
 class PossibleWires(NamedTuple):
@@ -263,7 +263,7 @@ def possible_of(
     return PossibleWires(best, misfit, model_of(best), leg_length_m(candidates.wire_values(best)), curves)
 
 
-def too_coarse(found: PossibleWires, marks: Marks) -> str:
+def why_marks_are_left_out(found: PossibleWires, marks: Marks) -> str:
     """Return why marks are left out, "" for marks that help.
 
     Marks that would hardly lessen the uncertainty move the result by their own error and gain nothing.
@@ -322,7 +322,7 @@ def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str]
     return AssumedWire(wire, candidates, stated | {"diameter_m": start.wire.diameter_m.value}, tuple(notes))
 
 
-def anchored(
+def model_between_measured_ends(
     found: PossibleWires, recording: Recording, observation: ResistanceAndMarks, assumed: AssumedWire
 ) -> SensingModel:
     """Return the likeliest wire's model between the resistances of B and C that were measured.

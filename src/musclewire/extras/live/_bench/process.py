@@ -187,7 +187,7 @@ def main() -> int:
     )
     signal.signal(signal.SIGTERM, lambda _number, _frame: ended_by_signal(session))
     # Before the threads: they inherit core and priority, and a busy loop cannot keep a stop waiting.
-    refused = scheduled(setup)
+    refused = apply_scheduling(setup)
     orders = OrderQueue(session, source, outbox)
     show_wiring(session)
     finish_journals(session)
@@ -210,7 +210,7 @@ def finish_journals(session: BenchSession) -> None:
             session.shown.say("info", kept)
 
 
-def scheduled(setup: dict[str, Any]) -> list[str]:
+def apply_scheduling(setup: dict[str, Any]) -> list[str]:
     """Pin this process and take priority as asked for; return what the system refused."""
     try:
         if setup["cpu"] is not None:

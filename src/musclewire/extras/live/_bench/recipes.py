@@ -175,10 +175,10 @@ def pulse(session: BenchSession, command: messages.Pulse) -> None:
         on_sample=session.on_sample,
     )
     session.shown.done("pulse")
-    session.shown.say("info", said_of_pulse(recording, rig.shunt_resistance_ohm, voltage_v))
+    session.shown.say("info", pulse_in_words(recording, rig.shunt_resistance_ohm, voltage_v))
 
 
-def said_of_pulse(recording: Recording, shunt_resistance_ohm: float, voltage_v: float) -> str:
+def pulse_in_words(recording: Recording, shunt_resistance_ohm: float, voltage_v: float) -> str:
     """Return by how much a pulse has changed the resistance."""
     ohm = shunt_resistance_ohm * recording["wire_voltage_v"] / recording["shunt_voltage_v"]  # Eq. 1
     cold, warm = float(ohm[0]), float(ohm[recording["drive_voltage_v"] >= 0.99 * voltage_v][-1])

@@ -5,7 +5,7 @@ from musclewire.extras.paper._reproduce.loops import SlowSineLoop
 from musclewire.extras.paper._reproduce.paper_checks import PaperCheck, SeedResult, measured, selected
 from musclewire.extras.paper._reproduce.reproduction import DEFAULT_SEEDS, Reproduction, reproduce
 from musclewire.extras.paper._reproduce.runs import RunCache
-from musclewire.extras.paper._reproduce.verdicts import OriginCount, ReproductionRow, counts_by_origin, judged
+from musclewire.extras.paper._reproduce.verdicts import OriginCount, ReproductionRow, counts_by_origin, row_of_check
 
 __all__ = [
     "DEFAULT_SEEDS",
@@ -18,7 +18,7 @@ __all__ = [
     "RunCache",
     "all_checks",
     "counts_by_origin",
-    "judged",
+    "row_of_check",
     "measured",
     "reproduce",
     "selected",

@@ -15,7 +15,7 @@ from musclewire.extras.paper._reproduce.all_checks import all_checks
 from musclewire.extras.paper._reproduce.paper_checks import PaperCheck, SeedResult, left_out, measured, selected
 from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.extras.paper._reproduce.seedless_runs import NeedsSeedError, SeedlessRuns
-from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, judged
+from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, row_of_check
 from musclewire.parameters import require_seed
 
 OnSeed = Callable[[int, int], None]
@@ -228,7 +228,7 @@ def reproduce(
         chosen, wanted, workers=cores() if workers is None else workers, watching=SeedCallbacks(on_seed, on_run)
     )
     known = known_failures()
-    rows = tuple(judged(check, found.for_check(check.name), known) for check in chosen)
+    rows = tuple(row_of_check(check, found.for_check(check.name), known) for check in chosen)
     return Reproduction(rows, found.first_runs, wanted, lacking, time.perf_counter() - started)
 
 

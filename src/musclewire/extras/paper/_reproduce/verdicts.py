@@ -118,7 +118,7 @@ class MedianSpread(NamedTuple):
     median_high: float
 
 
-def judged(check: PaperCheck, found: Sequence[SeedResult], known: Mapping[str, str]) -> ReproductionRow:
+def row_of_check(check: PaperCheck, found: Sequence[SeedResult], known: Mapping[str, str]) -> ReproductionRow:
     """Return the row of a check from what each seed gave.
 
     It fails if a tenth or more of the seeds have no number, whatever the median of the others.
