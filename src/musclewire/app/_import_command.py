@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from musclewire.app._answers import ImportAnswer
-    from musclewire.identify import FileInterpretation
-    from musclewire.signals import ImportMapping, JoinedRecordings
+    from musclewire.identify import FileInterpretation, JoinedRecordings
+    from musclewire.signals import ImportMapping
 
 
 def import_recordings(
@@ -104,7 +104,8 @@ def joined_files(
     files: list[Path], mappings: list[ImportMapping], join: str | None, delay_s: float | None = None
 ) -> JoinedRecordings:
     """Return two files as one recording on the first one's clock."""
-    from musclewire.signals import join_recordings, read_recording
+    from musclewire.identify import join_recordings
+    from musclewire.signals import read_recording
 
     first, second = (read_recording(path, mapping=mapping) for path, mapping in zip(files, mappings, strict=True))
     one, equals, other = (join or "").partition("=")

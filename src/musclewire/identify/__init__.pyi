@@ -18,6 +18,8 @@ from ._isobaric_loops import IsobarSummary as IsobarSummary
 from ._isobaric_loops import half_transformation_slope_pa_per_k as half_transformation_slope_pa_per_k
 from ._isobaric_loops import simulated_isobar as simulated_isobar
 from ._isobaric_loops import summarize_isobar as summarize_isobar
+from ._joining import JoinedRecordings as JoinedRecordings
+from ._joining import join_recordings as join_recordings
 from ._loop_gaps import LoopGaps as LoopGaps
 from ._loop_gaps import force_is_level as force_is_level
 from ._loop_gaps import gap_in as gap_in

@@ -8,6 +8,7 @@ from ._columns import OF_THE_ESTIMATE as OF_THE_ESTIMATE
 from ._columns import check_columns as check_columns
 from ._columns import columns_called as columns_called
 from ._columns import key_of_header as key_of_header
+from ._columns import known_column as known_column
 from ._columns import needs_no_clock as needs_no_clock
 from ._compiled_tick import CONTROLLER_ANSWERS as CONTROLLER_ANSWERS
 from ._compiled_tick import CONTROLLER_INPUTS as CONTROLLER_INPUTS
@@ -49,8 +50,6 @@ from ._importing import ImportPlan as ImportPlan
 from ._importing import checked_blocks as checked_blocks
 from ._importing import is_overload as is_overload
 from ._importing import turned_columns as turned_columns
-from ._joining import JoinedRecordings as JoinedRecordings
-from ._joining import join_recordings as join_recordings
 from ._journal import JOURNAL_SUFFIX as JOURNAL_SUFFIX
 from ._journal import journal_of as journal_of
 from ._journal import recording_of as recording_of
@@ -80,6 +79,7 @@ from ._recording import MINOR_LOOP_FROM as MINOR_LOOP_FROM
 from ._recording import NO_CYCLE as NO_CYCLE
 from ._recording import Recording as Recording
 from ._recording import asked_once as asked_once
+from ._recording import follows_from as follows_from
 from ._recording import with_answers_of as with_answers_of
 from ._recording_writer import RecordingWriter as RecordingWriter
 from ._run_facts import RunFacts as RunFacts

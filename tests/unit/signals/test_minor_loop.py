@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.identify import import_recording
-from musclewire.signals._joining import join_recordings
+from musclewire.identify import import_recording, join_recordings
 from musclewire.signals._journal import encoded_rows, encoded_start, journal_of
 from musclewire.signals._reading import read_recording
 from musclewire.signals._recording import MINOR_LOOP_FROM, Recording

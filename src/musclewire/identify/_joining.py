@@ -12,10 +12,8 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, argument
-from musclewire.signals._clock_delays import delay_of, require_determined, sample_period_s, steady_deviations
-from musclewire.signals._columns import known_column
-from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._recording import Recording, follows_from
+from musclewire.identify._clock_delays import delay_of, require_determined, sample_period_s, steady_deviations
+from musclewire.signals import MetadataValue, Recording, follows_from, known_column
 
 # A gap of so many sample periods is no place for a straight line.
 MAX_GAP_PERIODS = 3.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._recording import Recording
+from musclewire.signals import Recording
 
 # Below this correlation the two columns do not show the same thing.
 MIN_CORRELATION = 0.7
