@@ -10,7 +10,7 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.identify._joining import join_recordings
-from musclewire.signals._recording import Recording
+from musclewire.signals import Recording
 
 Shape = Callable[[np.ndarray], np.ndarray]
 
