@@ -31,8 +31,8 @@ from musclewire.extras.paper import (
     SeedResult,
     all_checks,
     bars,
-    judged,
     numbers_of_seeds,
+    row_of_check,
     selected,
 )
 from musclewire.signals import write_text_whole
@@ -74,7 +74,7 @@ def measured_numbers(checks: Sequence[PaperCheck], seeds: int, sets: int, keep: 
 def rows_of_sets(check: PaperCheck, numbers: Numbers, seeds: int, sets: int) -> list[ReproductionRow]:
     """Return the row of a check over each of the disjoint sets."""
     found = numbers[check.name]
-    return [judged(check, found[place * seeds : (place + 1) * seeds], {}) for place in range(sets)]
+    return [row_of_check(check, found[place * seeds : (place + 1) * seeds], {}) for place in range(sets)]
 
 
 def agreement(rows: Sequence[Sequence[ReproductionRow]]) -> Agreement:
