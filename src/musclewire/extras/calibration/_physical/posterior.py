@@ -126,16 +126,16 @@ def widened_covariance(
         for apart in range(min(reach + 1, len(gradient))):
             together = (1.0 - apart / (reach + 1)) * gradient[apart:].T @ gradient[: len(gradient) - apart]
             by_neighbours += together if apart == 0 else together + together.T
-    found = at_least_as_wide(spread, inverse @ by_neighbours @ inverse)
+    found = widened(spread, inverse @ by_neighbours @ inverse)
     if len(gradients) > 1:
         sums = np.array([gradient.sum(axis=0) for gradient in gradients])
         by_channel = np.eye(unknowns) + len(gradients) / (len(gradients) - 1) * sums.T @ sums
-        found = at_least_as_wide(found, inverse @ by_channel @ inverse)
+        found = widened(found, inverse @ by_channel @ inverse)
     apart_by = ends - coordinates
     return np.asarray(found + np.outer(undone, undone) + apart_by.T @ apart_by / max(len(ends), 1))
 
 
-def at_least_as_wide(spread: FloatArray, other: FloatArray) -> FloatArray:
+def widened(spread: FloatArray, other: FloatArray) -> FloatArray:
     """Return a covariance, (n, n), widened in each direction in which another one is wider."""
     root = np.linalg.cholesky(spread)
     white = np.linalg.solve(root, np.linalg.solve(root, other).T)
