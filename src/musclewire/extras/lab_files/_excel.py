@@ -34,12 +34,12 @@ from musclewire.signals import (
     value_to_text,
 )
 
-MAX_ROWS = 1_048_576
-MAX_COLUMNS = 16_384
-_HEAD_ROWS = 60
-_SEPARATOR = ";"
+MAX_ROWS = 1_048_576  # of a sheet of Excel 2007 and later
+MAX_COLUMNS = 16_384  # of the same
+_HEAD_ROWS = 60  # titles, headers and rows enough to see what the columns are without reading a long sheet
+_SEPARATOR = ";"  # between the cells of a line: a comma may be in a number
 _DECIMAL_COMMA = re.compile(r"[+-]?(?:[0-9]+|[0-9]{1,3}(?:\.[0-9]{3})+),[0-9]+(?:[eE][+-]?[0-9]+)?")
-_OLE = b"\xd0\xcf\x11\xe0"
+_OLE = b"\xd0\xcf\x11\xe0"  # old workbooks begin so, and new ones with a password
 
 
 def read_excel_table(path: Path, group: str | None = None) -> TextTable:
@@ -176,8 +176,9 @@ def _formulas(path: Path, title: str, table: TextTable, openpyxl: Any) -> list[s
     return [f"column '{name}' holds formulas without values: {cure}" for name in dict.fromkeys(found)]
 
 
-RECORDING_SHEET, METADATA_SHEET = "recording", "metadata"
-SHEET_ROWS = 1_048_575
+RECORDING_SHEET = "recording"  # a workbook that we wrote holds this sheet,
+METADATA_SHEET = "metadata"  # this one, and no other
+SHEET_ROWS = 1_048_575  # below the row of names
 
 
 def fill_excel(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:

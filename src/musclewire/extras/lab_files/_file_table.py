@@ -28,17 +28,16 @@ from musclewire.signals import (
     stated_periods_s,
 )
 
-# A name or text longer than this was not written by a person, and would fill the screen.
+# Characters: a longer name or text was not written by a person, and would fill the screen.
 MAX_TEXT_LENGTH = 200
-MAX_METADATA = 200
-MAX_NAMED = 8
+MAX_METADATA = 200  # entries: more are a program's settings, not facts of a test
+MAX_NAMED = 8  # names that a message lists: more are not read
 
-# Of a file that is read as a whole, and of what its parts unpack to.
-MAX_BYTES_AT_ONCE = 2**29
-MAX_BYTES_UNPACKED = 2**30
-# A file may state far more numbers than its bytes hold; what is read as a whole needs memory for all of them.
+MAX_BYTES_AT_ONCE = 2**29  # of a file that is read as a whole: a reader takes several times its size in memory
+MAX_BYTES_UNPACKED = 2**30  # of all members of a zip file together: a small one may unpack to more than any memory
+# Numbers, since a file may state far more than its bytes hold: 1 GiB of them, all in memory,
 MAX_CELLS_AT_ONCE = 2**27
-MAX_CELLS = 2**32
+MAX_CELLS = 2**32  # and 32 GiB, read in blocks
 
 
 @dataclass(frozen=True)
@@ -93,11 +92,7 @@ class FileTable(FilePart):
 
 
 def check_limits(path: Path, cells: int = 0, at_once: bool = False) -> None:
-    """Raise RecordingError for a file that is larger than is read.
-
-    ``cells`` is how many numbers it states, ``at_once`` whether they are all kept in memory; of a zip file, the sizes
-    that its members state count, too.
-    """
+    """Raise RecordingError for a file larger, or that states more cells, than are read in blocks or at once."""
     most = MAX_CELLS_AT_ONCE if at_once else MAX_CELLS
     if cells > most:
         raise RecordingError(f"{path}: states {cells} numbers, of which {most} are read; export a part of it")
@@ -114,24 +109,20 @@ def check_limits(path: Path, cells: int = 0, at_once: bool = False) -> None:
 
 @contextlib.contextmanager
 def damage_reported(path: str | Path, what: str) -> Iterator[None]:
-    """Turn whatever a reader of another package raises about a file into one line; our own errors pass.
-
-    Readers of damaged files raise anything: struct.error, KeyError, UnicodeDecodeError, MemoryError, plain Exception.
-    """
+    """Turn whatever a reader of another package raises about a file into a RecordingError; our own errors pass."""
     try:
         yield
     except MusclewireError:
         raise
-    except Exception as problem:
+    except Exception as problem:  # struct.error, KeyError, UnicodeDecodeError, MemoryError, plain Exception
         reason = one_line(str(problem)) or type(problem).__name__
         raise RecordingError(f"{path}: cannot be read as {what} ({reason}); use another copy") from None
 
 
 def chosen_table(path: Path, layout: str, parts: Sequence[FilePart], wanted: str | None) -> FileTable:
-    """Return the part called ``wanted``, or with None the only one with two rows or more.
+    """Return the part called ``wanted``, or with None the only one with two rows or more; ``{}`` becomes its name.
 
-    ``{}`` in the layout becomes its name. Raises RecordingError for another name, and where several would do: it lists
-    them with their columns.
+    Raises RecordingError for another name, and where several would do.
     """
     full = [part for part in parts if part.row_count > 1]
     if wanted is not None:

@@ -43,10 +43,9 @@ _NEIGHBOURS = {
 
 
 def lab_file_reader(path: Path) -> _Reader | None:
-    """Return the reader of text, LabVIEW, MATLAB, Excel, Parquet, netCDF or others' HDF5, None for another suffix.
+    """Return the reader of a file by its suffix, or by LabVIEW's first line; None for what others read.
 
-    A reader takes the path and the name of a group or sheet, None for the only one. LabVIEW's text files are known by
-    their first line, whatever they are called. Raises RecordingError for formats whose program can save a better one.
+    Raises RecordingError for formats whose program can save a better one.
     """
     suffix = path.suffix.lower()
     if suffix in _NEIGHBOURS:

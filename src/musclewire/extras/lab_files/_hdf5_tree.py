@@ -19,10 +19,10 @@ from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._file_table import FileTable, check_limits, chosen_table, damage_reported, one_line
 from musclewire.extras.lab_files._named_arrays import MAX_COLUMNS, Folder, NamedArray, decoded, names_columns, parts_of
 
-MAX_OBJECTS = 20_000
-MAX_DEPTH = 32
-MAX_TEXT_LENGTH = 1_000_000
-MAX_NAMES = 1_000
+MAX_OBJECTS = 20_000  # data sets: more are an archive of tests, of which a part has to be chosen
+MAX_DEPTH = 32  # groups within groups: no program nests so deep
+MAX_TEXT_LENGTH = 1_000_000  # characters of a data set that may be text; more are measured values
+MAX_NAMES = 1_000  # texts that may be the names of columns
 MATLAB_NUMBERS = frozenset({
     "double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "logical",
 })  # fmt: skip
@@ -34,8 +34,8 @@ _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 def read_hdf5_of_others(path: Path, group: str | None = None) -> FileTable:
     """Return the table of one group of an HDF5 file; None takes the only one.
 
-    Data sets of a group that have equal lengths are one table; so are the fields of a table of records, the columns of
-    a matrix, and a frame of pandas. Raises RecordingError for data outside the file and an unclear choice.
+    Data sets of equal lengths are one table; so are records, a matrix, and a frame of pandas. Raises RecordingError for
+    data outside the file and an unclear choice.
     """
     with damage_reported(path, "HDF5"):
         return chosen_table(path, "HDF5, group '{}'", parts_of(hdf5_folders(path), hdf5_path), group)

@@ -27,7 +27,7 @@ from musclewire.extras.lab_files._file_table import (
 from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_of
 from musclewire.extras.lab_files._text_lines import Line, lines_of
 
-MAX_COLUMNS = 1_000
+MAX_COLUMNS = 1_000  # cells in a row; no measuring card has as many channels
 _TITLE = "LabVIEW Measurement"
 _END = "***End_of_Header***"
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";"}
@@ -101,10 +101,9 @@ def is_lvm(first_line: str) -> bool:
 
 
 def read_lvm_table(path: Path, group: str | None = None) -> FileTable:
-    """Return the table of an .lvm file, its packets one after another on one clock.
+    """Return the table of an .lvm file; ``group`` chooses a channel where several have X columns that differ.
 
-    With several X columns that differ, each channel is a table of its own, chosen by ``group``. Raises RecordingError
-    naming the line for a cell that is no number.
+    Raises RecordingError naming the line for a cell that is no number.
     """
     with damage_reported(path, "a LabVIEW measurement file"):
         lines = lines_of(path)

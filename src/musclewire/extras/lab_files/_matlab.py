@@ -32,7 +32,7 @@ from musclewire.signals import COLUMNS, FileWriter, MetadataValue
 # Our own .mat files keep the metadata, which MATLAB's names cannot all spell, as JSON in this variable.
 METADATA_NAME = "musclewire_metadata"
 
-MAX_DEPTH = 8
+MAX_DEPTH = 8  # structs within structs
 _ROOT = "variables"
 _CURES = {
     "cell": "turn it into columns in MATLAB (cell2mat) and save these",
@@ -50,8 +50,7 @@ _OBJECT_CURE = (
 def read_matlab_table(path: Path, group: str | None = None) -> FileTable:
     """Return the table of the variables of a MATLAB file, or of the struct ``group``; None takes the only one.
 
-    Vectors of equal length are columns, and so are those of a matrix; scalars and texts are metadata; a struct
-    "units" states the unit of each variable. Raises RecordingError that names MATLAB's cure for other classes.
+    Raises RecordingError that names MATLAB's cure for classes of other than numbers and text.
     """
     with path.open("rb") as file:
         is_hdf5 = file.read(10).startswith((b"MATLAB 7.3", b"\x89HDF"))
@@ -132,8 +131,7 @@ def _folders(struct: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[Folde
 def _on_its_side(array: NamedArray, is_hdf5: bool) -> NamedArray:
     """Return an array; of a matrix wider than high, what its first row and first column say of its rows.
 
-    Simulink's block To File writes a signal in each row, the first one the time [s]. A first column that rises is that
-    of a table with more channels than samples.
+    Simulink's To File writes a signal in each row, the time first; a first column rises where channels outnumber rows.
     """
     # HDF5 keeps MATLAB's dimensions in the opposite order.
     shape = array.shape[::-1] if is_hdf5 else array.shape
@@ -167,7 +165,7 @@ MATLAB_VERSIONS = ("5", "7.3")
 
 # An element of version 5 states its size in 32 bits, and MATLAB reads half of that.
 MAX_COLUMN_BYTES = 2**31 - 1024
-_HEADER_BYTES = 512
+_HEADER_BYTES = 512  # of version 7.3, before the HDF5
 _TEXT = "MATLAB 7.3 MAT-file, written by musclewire HDF5 schema 1.00 ."
 
 

@@ -28,7 +28,7 @@ from musclewire.extras.lab_files._file_table import (
 )
 from musclewire.signals import Cells, columns_called, parse_quantity, split_header, stated_periods_s
 
-MAX_COLUMNS = 10_000
+MAX_COLUMNS = 10_000  # of a matrix; a damaged file may state any number
 
 # Under these attributes programs keep the unit, the name, and the names of the columns of a matrix.
 _UNITS = ("unit", "units", "unit_string", "ni_unitdescription", "engineeringunits", "uom")
@@ -55,10 +55,9 @@ class NamedArray:
 
     @property
     def axes(self) -> list[int]:
-        """The dimensions with more than one entry, that of the rows first.
+        """The dimensions with more than one entry, that of the rows first: the other, as many as names, or the longer.
 
-        A matrix has as many names as columns. Without names its longer side is that of the rows: HDF5, MATLAB and
-        Simulink keep it either way, and a recording has more rows than columns.
+        HDF5, MATLAB and Simulink keep a matrix either way, and a recording has more rows than columns.
         """
         axes = [axis for axis, length in enumerate(self.shape) if length != 1]
         names = len(texts_of(self.attributes, _NAMES))

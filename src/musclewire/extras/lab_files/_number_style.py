@@ -51,16 +51,12 @@ def looks_numeric(cell: str) -> bool:
 
 @dataclass(frozen=True)
 class NumberStyle:
-    """The signs in numbers; ``thousands`` is "" if there are none, or all signs that may be there.
-
-    ``is_open`` says that the numbers do not show their decimal sign, ``is_grouped`` that a comma in them may as well be
-    between thousands.
-    """
+    """The signs in the numbers of a column."""
 
     decimal: str = "."
-    thousands: str = ""
-    is_open: bool = field(default=False, compare=False)
-    is_grouped: bool = field(default=False, compare=False)
+    thousands: str = ""  # all signs that may be between them
+    is_open: bool = field(default=False, compare=False)  # no number shows the decimal sign
+    is_grouped: bool = field(default=False, compare=False)  # a comma may as well be between thousands
 
     def __str__(self) -> str:
         """Return the style in words, "" if it is plain."""
@@ -88,10 +84,7 @@ class NumberStyle:
 
 
 def style_of(cells: Iterable[str]) -> NumberStyle:
-    """Return the style of the numbers among some cells.
-
-    A comma is the decimal sign if no number has a point, or if both signs occur in one number in this order.
-    """
+    """Return the style of the numbers among some cells: of both signs in one number the last is the decimal sign."""
     numbers = [cell.strip() for cell in cells if looks_numeric(cell)]
     if any(_POINT_THOUSANDS.fullmatch(cell) for cell in numbers):
         return NumberStyle(",", ".")

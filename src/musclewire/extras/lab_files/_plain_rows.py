@@ -1,7 +1,6 @@
 """Rows of nothing but numbers, read from the bytes of a large text file by compiled code.
 
-Whatever else is in the file ends this, and the rules for lines take over from there. A number has at most 15 digits and
-a power of ten of at most 22, so that one multiplication or division of exact numbers gives what ``float()`` gives.
+Whatever else is in the file ends this, and the rules for lines take over from there.
 """
 
 from __future__ import annotations
@@ -14,8 +13,11 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner
 
-_PIECE = 1 << 22
-_MAX_MANTISSA, _MAX_POWER = 10**15, 22
+_PIECE = 1 << 22  # bytes read together: enough to be fast, and few enough to take little memory
+# Both are exact as floats, so that one multiplication or division gives what ``float()`` gives (53 bits: 15 digits, and
+# the powers of ten of up to 22).
+_MAX_MANTISSA = 10**15
+_MAX_POWER = 22
 _POWERS = 10.0 ** np.arange(_MAX_POWER + 1)
 
 
@@ -64,10 +66,7 @@ def number_at(text: np.ndarray[tuple[int], np.dtype[np.uint8]], place: int, deci
 def numbers_in(
     text: np.ndarray[tuple[int], np.dtype[np.uint8]], separator: int, decimal: int, table: FloatArray
 ) -> tuple[int, int]:
-    """Read whole lines of numbers into ``table``, (n_rows, width), up to the first line that holds anything else.
-
-    Returns how many rows were read, and where the bytes of the next line begin.
-    """
+    """Fill ``table``, (n_rows, width), up to a line that is not numbers; return how many rows, and where it begins."""
     rows, width = table.shape
     place = 0
     for row in range(rows):

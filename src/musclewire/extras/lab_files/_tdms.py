@@ -14,10 +14,7 @@ from musclewire.extras.lab_files._named_arrays import Folder, NamedArray, parts_
 
 
 def read_tdms_table(path: Path, group: str | None = None) -> FileTable:
-    """Return the table of one group of a TDMS file; None takes the only one.
-
-    A waveform's clock (``wf_increment``) becomes a column "time [s]". Channels of a group that differ in length or
-    clock are tables of their own. Only this file is opened, never an index next to it.
+    """Return the table of one group of a TDMS file; None takes the only one. An index next to it is never opened.
 
     Raises RecordingError for a damaged file or an unclear choice.
     """

@@ -30,14 +30,14 @@ from musclewire.signals import (
 SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 # Tab and semicolon come before the comma, because in a file that they separate a comma may be the decimal sign.
 _SEPARATORS = ("\t", ";", "|", ",", " ")
-_SAMPLE_LINES = 400
-_MAX_COLUMNS = 4096
-_MAX_UNIT_LENGTH = 16
-_MIN_SCORE_OF_TABS = 0.3
+_SAMPLE_LINES = 400  # the last ones at hand show the separator, whatever titles are above
+_MAX_COLUMNS = 4096  # no recording has as many; text with many separators may
+_MAX_UNIT_LENGTH = 16  # characters: longer text among the cells is a remark
+_MIN_SCORE_OF_TABS = 0.3  # of 1: so small a part of numbers, with tabs, is a table in which much is text
 # What a cell is. Columns of these three are measured; what is "text" or "blank" in most cells is not.
 COUNTED = frozenset({"numbers", "quantities", "times"})
 _RULE = re.compile(r"[-=_+|,;\t ]*[-=_]{2,}[-=_+|,;\t ]*")
-_MAX_TITLE_LENGTH = 200
+_MAX_TITLE_LENGTH = 200  # characters: a longer line with a colon is prose, not a fact
 # The header of a column that holds the units of the one before, "#5" without a header.
 _OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
 _BLANKS = re.compile(r'(?<=")[^"]*(?="(?:\s|$))|[^\s"]+')
@@ -56,21 +56,15 @@ _ACROSS = re.compile(r"^(?:h|x|horizontal)(?:$|[\W_]|(?=[A-Z]))|time|horizontal"
 
 @dataclass(frozen=True)
 class TextLayout:
-    """The layout of a table in text.
-
-    ``headers`` and ``units`` (None for a column whose unit is not given apart from its header) are of equal length;
-    ``kinds`` says what the cells of a column are: "numbers", "quantities" (numbers with their unit), "times", "text" or
-    "blank". ``first_line`` is the number of the first line of the table's rows, ``header_lines`` are the lines of the
-    headers themselves, ``titles`` counts those above.
-    """
+    """The layout of a table in text; headers, units, kinds and styles have an entry for each column."""
 
     separator: str
     headers: tuple[str, ...]
-    units: tuple[str | None, ...]
-    kinds: tuple[str, ...]
+    units: tuple[str | None, ...]  # None if it is not given apart from the header
+    kinds: tuple[str, ...]  # what most cells are, as ``kind_of`` says
     styles: tuple[NumberStyle, ...]
-    first_line: int
-    titles: int
+    first_line: int  # number of the line of the first row
+    titles: int  # number of lines above the headers
     header_lines: frozenset[str] = frozenset()
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
 
@@ -118,9 +112,8 @@ def kind_of(cell: str) -> str:
 
 
 def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | None, path: str) -> TextLayout:
-    """Return the layout of a table from its first lines, without comments and blank lines.
+    """Return the layout of a table from its first lines, without comments and blank lines; None finds the separator.
 
-    ``comments`` are the lines before the table that begin with a sign of a comment; a separator that is None is found.
     Raises RecordingError if there are no rows of numbers, or the headers do not fit them.
     """
     if separator is None:

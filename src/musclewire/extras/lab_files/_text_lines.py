@@ -43,8 +43,7 @@ Line = tuple[int, str]
 def lines_of(path: Path) -> Iterator[Line]:
     """Yield the lines of a text file; those over which a quoted cell extends as one, with the number of the first.
 
-    UTF-8 (with single bytes of Windows-1252), UTF-16 and UTF-32 are recognised. Raises RecordingError if the file
-    cannot be read, is no text, or has a line longer than any row of a table.
+    Raises RecordingError if it cannot be read, is no text, or has a line longer than any row of a table.
     """
     try:
         with path.open("rb") as file:

@@ -24,10 +24,10 @@ _PAIR = re.compile(r"\s*(?P<name>[^\W\d][^:=]*?|\d+\s*[^\W\d][^:=]*?)\s*[:=]\s*(
 _BETWEEN_PAIRS = (re.compile(r"[;|\t]|  +"), re.compile(r","), re.compile(r"\s+(?=[^\W\d][^\s:=]*\s*[:=])"))
 _QUANTITY = re.compile(rf"({_NUMBER})\s*([^\W\d_][^\s\d]{{0,9}}|[%°Ω]\S{{0,4}})")
 _STAMP = re.compile(r"\s*(?:\[\s*(?P<inside>[^\]]{5,40}?)\s*\]\s?|(?P<before>\S[^>]{3,38}?\S)\s*->\s?)")
-# Fewer lines of a kind may be anything; of those at hand most have to be of it.
-_LEAST, _MOST = 4, 0.9
-# A table on its side has so many more columns than rows, of which there are few.
-_SIDEWAYS, _MAX_SIGNALS = 5, 64
+_MIN_LINES = 4  # of a kind: fewer may be by chance
+_MIN_PART = 0.9  # of the lines at hand, which have to be of it: a device prints a greeting among them
+_MIN_SAMPLES_PER_SIGNAL = 5  # a table on its side has so many more columns than rows,
+_MAX_SIGNALS = 64  # of which there are few
 
 
 class Shape(NamedTuple):
@@ -44,7 +44,7 @@ def shape_of(head: Sequence[Line]) -> Shape | None:
 
 
 def _most(found: int, head: Sequence[Line]) -> bool:
-    return found >= _LEAST and found >= _MOST * (len(head) - 2)
+    return found >= _MIN_LINES and found >= _MIN_PART * (len(head) - 2)
 
 
 def _stamped(head: Sequence[Line]) -> Shape | None:
@@ -176,7 +176,7 @@ def _blocks_of_pairs(head: Sequence[Line]) -> Shape | None:
     if (
         not _most(len(found), words)
         or min(counted.values()) * 3 < max(counted.values())
-        or counted[found[0][0]] < _LEAST
+        or counted[found[0][0]] < _MIN_LINES
     ):
         return None
     if sum(any(map(str.isdigit, value)) for _, value in found) < 0.5 * len(found):
@@ -213,7 +213,7 @@ def _signals_in_rows(head: Sequence[Line]) -> Shape | None:
     count = max(map(len, rows))
     whole = [row for row in rows if len(row) == count]
     # Numbers that run to the right, below each other a name.
-    if count < _SIDEWAYS * len(rows) or len(whole) < 2 or any(looks_numeric(row[0]) for row in whole):
+    if count < _MIN_SAMPLES_PER_SIGNAL * len(rows) or len(whole) < 2 or any(looks_numeric(row[0]) for row in whole):
         return None
 
     def lines(all_lines: Iterator[Line]) -> Iterator[Line]:

@@ -45,39 +45,30 @@ _COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
 _MAY_BE_NO_ROW = frozenset("#%/!; \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
-# The layout follows from the first lines, of which there are few if they are long.
-_HEAD_LINES = 2000
-_HEAD_LENGTH = 1 << 22
-# Rows of wide tables are handed over in smaller blocks.
-_BLOCK_LENGTH = 1 << 22
-# From so many bytes on compiled code is worth its loading.
-_LARGE = 1 << 24
-# Of a last line that may be cut off, as many rows before it show what a whole one is like.
-_ROWS_TO_COMPARE = 20
+_HEAD_LINES = 2000  # the first ones, from which the layout follows,
+_HEAD_LENGTH = 1 << 22  # and their characters: of long lines fewer are looked at
+_BLOCK_LENGTH = 1 << 22  # characters: rows of wide tables are handed over in smaller blocks
+_LARGE = 1 << 24  # bytes from which on compiled code is worth its loading
+_ROWS_TO_COMPARE = 20  # before a last line that may be cut off: they show what a whole one is like
 
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table in lines of text, of which only the first have been read. ``lines`` begins with the first of them again.
-
-    ``row_word`` is what messages call a line, ``parts`` which of the cells of a line each column is, ``cell_units`` the
-    unit in the cells of a column themselves. ``plain_path`` is a large file whose lines are those of the table, so
-    that its bytes may be read; ``ends_open`` says that the file's last line has no end.
-    """
+    """A table in lines of text, of which only the first have been read."""
 
     path: str
-    lines: Callable[[], Iterator[Line]]
+    lines: Callable[[], Iterator[Line]]  # begins with the first of them again
     text_layout: TextLayout
     layout: str
-    row_word: str
+    row_word: str  # what messages call a line
     columns: tuple[SourceColumn, ...]
-    parts: tuple[tuple[int, ...], ...]
-    cell_units: tuple[str | None, ...]
+    parts: tuple[tuple[int, ...], ...]  # which cells of a line each column is
+    cell_units: tuple[str | None, ...]  # the unit in the cells of each column themselves
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     stated_periods_s: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    plain_path: Path | None = None
-    ends_open: bool = False
+    plain_path: Path | None = None  # a large file whose lines are those of the table, so that its bytes may be read
+    ends_open: bool = False  # the file's last line has no end
 
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
@@ -266,11 +257,7 @@ def _end_of(cell: str) -> tuple[int, int]:
 
 
 def read_text_table(path: Path, group: str | None = None) -> TextTable:
-    """Return the table in a text file after its first lines: titles, headers, units and where rows begin.
-
-    Separator, decimal sign, rows of headers and units are found in the first lines; titles and comments as
-    ``key = value`` become metadata. Raises RecordingError if the file is no text, or holds no table.
-    """
+    """Return the table in a text file by its first lines. Raises RecordingError if it is no text, or holds no table."""
     path, comments = without_groups(path, group), list[str]()
     for number, text in lines_of(path):
         comment = _COMMENT.fullmatch(text)
@@ -299,31 +286,9 @@ def table_of_lines(
     row_word: str = "row",
     comments: Sequence[str] = (),
 ) -> TextTable:
-    """Return the table in lines of text, wherever they come from.
+    """Return the table in ``lines``, numbered and without comments, of a file that is built as ``what`` says.
 
-    Parameters
-    ----------
-    path
-        The file, as messages name it.
-    lines
-        Returns the numbered lines, without comments, from the first on.
-    what
-        How the file is built, in words.
-    separator
-        The sign between cells; None, the default, finds it.
-    row_word
-        What messages call a line.
-    comments
-        Comments above the table; none by default.
-
-    Returns
-    -------
-    The table.
-
-    Raises
-    ------
-    RecordingError
-        If there are no rows of numbers, or the headers do not fit them.
+    Raises RecordingError if there are no rows of numbers, or the headers do not fit them.
     """
     head: list[Line] = []
     length = 0
