@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_wires import candidates
 
-from musclewire.extras.calibration._physical.posterior import covariance, estimates, excess_variance, widened
+from musclewire.extras.calibration._physical.posterior import covariance, estimates, excess_variance, widened_covariance
 
 
 def test_the_covariance_is_that_of_bayes_rule_for_a_linear_problem() -> None:
@@ -68,7 +68,7 @@ def test_intervals_are_wider_where_residuals_go_together() -> None:
         found, residuals = fitted(matrix, matrix @ truth + drift)
         for name, spread in (
             ("plain", plain),
-            ("widened", widened(plain, matrix, residuals, found, [400], found[None, :])),
+            ("widened", widened_covariance(plain, matrix, residuals, found, [400], found[None, :])),
         ):
             held[name] += int(np.sum(np.abs(found - truth) < 1.96 * np.sqrt(np.diag(spread))))
     assert held["plain"] / 1200 < 0.6
@@ -80,7 +80,7 @@ def test_small_residuals_at_the_minimum_widen_nothing() -> None:
     matrix = random.normal(size=(200, 3))
     found, residuals = fitted(matrix, matrix @ np.ones(3) + 0.1 * random.standard_normal(200))
     plain = covariance(matrix)
-    assert widened(plain, matrix, residuals, found, [120, 80], found[None, :]) == pytest.approx(
+    assert widened_covariance(plain, matrix, residuals, found, [120, 80], found[None, :]) == pytest.approx(
         plain, rel=1e-6, abs=1e-9
     )
 
@@ -95,7 +95,7 @@ def test_channels_that_contradict_each_other_widen_what_they_contradict_each_oth
         found, residuals = fitted(matrix, matrix[:, 1] * (1.0 + off))
         for name, spread in (
             ("plain", plain),
-            ("widened", widened(plain, matrix, residuals, found, [200, 200], found[None, :])),
+            ("widened", widened_covariance(plain, matrix, residuals, found, [200, 200], found[None, :])),
         ):
             held[name] += int(abs(found[1] - 1.0) < 1.96 * np.sqrt(spread[1, 1]))
     assert held["plain"] < 30
@@ -108,7 +108,7 @@ def test_white_residuals_of_six_channels_widen_little() -> None:
     plain, wider = covariance(matrix), []
     for _ in range(100):
         found, residuals = fitted(matrix, matrix @ np.ones(5) + random.standard_normal(600))
-        spread = widened(plain, matrix, residuals, found, [100] * 6, found[None, :])
+        spread = widened_covariance(plain, matrix, residuals, found, [100] * 6, found[None, :])
         wider.append(np.sqrt(np.diag(spread) / np.diag(plain)))
     assert np.mean(wider) < 1.25
 
@@ -117,7 +117,7 @@ def test_how_far_apart_the_descents_ended_belongs_to_the_deviation() -> None:
     matrix = np.random.default_rng(11).normal(size=(50, 3))
     found, residuals = fitted(matrix, matrix @ np.ones(3))
     ends = found + np.array([[0.0, 0.3, 0.0], [0.0, -0.3, 0.0]])
-    spread = widened(covariance(matrix), matrix, residuals, found, [50], ends)
+    spread = widened_covariance(covariance(matrix), matrix, residuals, found, [50], ends)
     assert spread[1, 1] == pytest.approx(covariance(matrix)[1, 1] + 0.09)
     assert spread[0, 0] == pytest.approx(covariance(matrix)[0, 0])
 
@@ -127,7 +127,9 @@ def test_the_step_that_is_left_to_the_minimum_belongs_to_the_deviation() -> None
     found, _ = fitted(matrix, matrix @ np.ones(3))
     short = found + np.array([0.0, 0.4, 0.0])
     plain = covariance(matrix)
-    spread = widened(plain, matrix, 0.0 * matrix[:, 0] + matrix @ (short - np.ones(3)), short, [50], short[None, :])
+    spread = widened_covariance(
+        plain, matrix, 0.0 * matrix[:, 0] + matrix @ (short - np.ones(3)), short, [50], short[None, :]
+    )
     assert np.diag(spread - plain)[1] >= 0.4**2 - 1e-9
 
 
