@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import struct
 import sys
-import textwrap
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
@@ -169,11 +168,9 @@ def python_text(of: Protocol) -> str:
 def _named_tuple(row: MessageRow) -> str:
     types = {"f32": "float", "text": "str"}
     does = row.does.partition(":")[0]
-    lines = [f"class {row.type_name}(NamedTuple):", f'    """{does[0].upper()}{does[1:]}.', "", "    Attributes:"]
+    lines = [f"class {row.type_name}(NamedTuple):", f'    """{does[0].upper()}{does[1:]}."""', ""]
     for field in row.field:
-        said = f"        {field.name}: {field.meaning}{_in_unit(field)}."
-        lines += textwrap.wrap(said, 120, initial_indent="", subsequent_indent=" " * 12, drop_whitespace=True)
-    lines += ['    """', "", *(f"    {field.name}: {types.get(field.type, 'int')}" for field in row.field)]
+        lines.append(f"    {field.name}: {types.get(field.type, 'int')}  # {field.meaning}{_in_unit(field)}")
     return "\n".join(lines) + "\n"
 
 

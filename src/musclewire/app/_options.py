@@ -41,24 +41,18 @@ class OptionQuantity(NamedTuple):
 
 
 class Offered(NamedTuple):
-    """Annotation of a command's parameter: a tuple of dataclasses of options, as parts offer them.
+    """Annotation of a command's parameter: a tuple of dataclasses of options, as parts offer them."""
 
-    ``kind`` is the field of their manifests that names them.
-    """
-
-    kind: str
+    kind: str  # field of their manifests that names them
 
 
 class OptionDefinition(NamedTuple):
-    """What an option is called and means; ``quantity`` is None if its value is no number with a unit.
-
-    ``how`` goes to typer: smallest and largest number, how its value is shown.
-    """
+    """What an option is called and means."""
 
     names: tuple[str, ...]
     help: str
-    how: Mapping[str, Any]
-    quantity: OptionQuantity | None = None
+    how: Mapping[str, Any]  # for typer: smallest and largest number, how its value is shown
+    quantity: OptionQuantity | None = None  # None if its value is no number with a unit
 
 
 # Options that are not called as the argument in Python, and endings of arguments that name a unit.

@@ -76,15 +76,12 @@ def plain(value: Any) -> Any:
 
 @dataclass(frozen=True)
 class Result:
-    """What a command found: the answer for programs, and the same in words for people.
-
-    What does not hold ends with exit code 1; an ``error`` is raised when the answer has been printed.
-    """
+    """What a command found: the answer for programs, and the same in words for people."""
 
     answer: Any
     text: str
-    holds: bool = True
-    error: MusclewireError | None = None
+    holds: bool = True  # exit code 1 if it does not
+    error: MusclewireError | None = None  # raised when the answer has been printed
 
 
 class _Shown:

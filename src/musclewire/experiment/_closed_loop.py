@@ -244,10 +244,7 @@ def control(
 
 @dataclass(frozen=True)
 class LoopChoice:
-    """Estimator and controller of a loop with settings, what is known, approach, and where strain counts from.
-
-    None is what the caller leaves open; ``settled`` fills it in.
-    """
+    """Estimator and controller of a loop; None is what the caller leaves open, which ``settled`` fills in."""
 
     estimator: str | EstimatorFactory | None = None
     controller: str | ControllerFactory | None = None
@@ -255,7 +252,7 @@ class LoopChoice:
     load: KnownSpring | None = None
     approach_s: float | None = None
     wire_file: str | Path | None = None
-    zero_from: str = KEPT
+    zero_from: str = KEPT  # where strain counts from
     known_strain: float | tuple[float, float] | None = None
 
     def settled(self, model: SensingModel, sample_period_s: float) -> SettledChoice:

@@ -47,16 +47,12 @@ Exchange = Callable[[Command], RawSample]
 
 
 class RunOptions(TypedDict, total=False):
-    """Keywords of every run on a rig.
+    """Keywords of every run on a rig."""
 
-    ``path`` is the recording's file, none without; ``overwrite`` replaces one that exists; ``on_sample`` sees every
-    recorded row and may raise to stop the run; ``until`` is asked after each row and ends the run early, as done.
-    """
-
-    path: str | Path | None
-    overwrite: bool
-    on_sample: OnSample | None
-    until: Until | None
+    path: str | Path | None  # file of the recording, none without
+    overwrite: bool  # a file that exists is replaced
+    on_sample: OnSample | None  # sees every recorded row and may raise to stop the run
+    until: Until | None  # asked after each row; ends the run early, as done
 
 
 class Decision(NamedTuple):

@@ -52,14 +52,11 @@ def confirmed_beyond() -> bool:
 
 
 class StatedCircuit(NamedTuple):
-    """A wire's length [m] behind its shunt [ohm], and the numbers that a rig file or a call states, SI, by key.
-
-    A key that is left to wire and bench is None or missing.
-    """
+    """A wire's circuit, and the numbers that a rig file or a call states, SI, by key."""
 
     wire_length_m: float
     shunt_ohm: float
-    stated: Mapping[str, float | None]
+    stated: Mapping[str, float | None]  # None or missing for what is left to wire and bench
 
 
 def refuse_beyond_catalogue(circuit: StatedCircuit, limits: Mapping[str, float], where: str = "") -> None:

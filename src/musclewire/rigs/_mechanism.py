@@ -23,14 +23,11 @@ SOLVE_POINTS = 20001
 
 @dataclass(frozen=True)
 class FingerTendon:
-    """A finger at a connector: forces and positions over the connector's displacement [m], arrays of any shape.
-
-    ``start_m`` is the tendon travel before the connector moves: by a pretension without pretensioner, or by a stage
-    that pulls the finger back.
-    """
+    """A finger at a connector: forces and positions over the connector's displacement [m], arrays of any shape."""
 
     curve: FingerCurve
     slack_m: float
+    # Tendon travel before the connector moves: by a pretension without pretensioner, or by a stage that pulls back.
     start_m: float
     obstacle: ElasticObject | None
 

@@ -253,19 +253,14 @@ def hot_wire_on(wire: str, wire_length_m: float, shunt_ohm: float, ambient_tempe
 
 
 class OwnCircuit(NamedTuple):
-    """What a wire is given on a board, in SI.
+    """What a wire is given on a board; the voltages are those of a rig file that states none."""
 
-    ``lasting_current_a`` settles it at 150 C at most in still air; the shunt reads that current within 250 mV. The
-    voltages are those of a rig file that states none. ``pretension_n`` is the vendor's force for stretching the cold
-    wire, of all legs together.
-    """
-
-    lasting_current_a: float
-    shunt_ohm: float
+    lasting_current_a: float  # settles the wire at 150 C at most in still air
+    shunt_ohm: float  # reads that current within 250 mV
     sense_voltage_v: float
     amplitude_v: float
     maximum_v: float
-    pretension_n: float
+    pretension_n: float  # vendor's force for stretching the cold wire, of all legs together
 
 
 def own_circuit(wire: str, *, wire_length_m: float, legs: int = 2, ambient_temperature_k: float = 295.15) -> OwnCircuit:

@@ -23,10 +23,7 @@ MAXIMUM_TEMPERATURE_K = 473.15
 
 
 class WireCircuit(NamedTuple):
-    """A wire's circuit and its acquisition, in SI. ``in_series`` and ``in_parallel`` count like wires on the drive.
-
-    ``loss_factor`` is what the wire loses to what surrounds it, as a fraction of its loss to still air.
-    """
+    """A wire's circuit and its acquisition, in SI."""
 
     sense_voltage_v: float
     maximum_voltage_v: float
@@ -37,9 +34,9 @@ class WireCircuit(NamedTuple):
     wire_range_v: float
     shunt_range_v: float
     readings_noisy: bool
-    in_series: int = 1
+    in_series: int = 1  # like wires on the drive
     in_parallel: int = 1
-    loss_factor: float = 1.0
+    loss_factor: float = 1.0  # what the wire loses to what surrounds it, over its loss to still air
 
 
 def limits_of(

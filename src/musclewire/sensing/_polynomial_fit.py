@@ -34,15 +34,11 @@ class FitPoints:
 
 @dataclass(frozen=True, eq=False)
 class PolynomialFit:
-    """Ascending power coefficients in normalised resistance, with their uncertainty from the residuals.
-
-    ``covariance``, (order + 1, order + 1), is widened by (1 + r) / (1 - r), r the correlation of neighbouring
-    residuals. A curve through all points has 0 ``spare_points``, and standard errors and covariance of zero mean
-    unknown.
-    """
+    """Ascending power coefficients in normalised resistance, with their uncertainty from the residuals."""
 
     coefficients: tuple[float, ...]
-    standard_errors: tuple[float, ...]
+    standard_errors: tuple[float, ...]  # zeros mean unknown, of a curve through all points
+    # (order + 1, order + 1), widened by (1 + r) / (1 - r), r the correlation of neighbouring residuals.
     covariance: FloatArray
     spare_points: int
 

@@ -145,18 +145,14 @@ SIGMAS = 6.0
 
 
 class Channel(NamedTuple):
-    """A channel below the sense voltage, with the straight line through its readings over the commanded voltage.
+    """A channel below the sense voltage, with the straight line through its readings over the commanded voltage."""
 
-    Its readings [V], (n_times,), those at 0 V among them; volts at no drive, volts per volt, and the standard error of
-    that; what is expected at the sense voltage without its offset [V].
-    """
-
-    readings_v: FloatArray
-    zero_v: FloatArray
-    offset_v: float
-    slope: float
+    readings_v: FloatArray  # (n_times,)
+    zero_v: FloatArray  # those at 0 V among them
+    offset_v: float  # at no drive
+    slope: float  # volts per volt
     slope_error: float
-    at_sense_v: float
+    at_sense_v: float  # expected at the sense voltage without the offset
 
     @property
     def moves(self) -> bool:

@@ -31,10 +31,7 @@ class CircuitPin(BaseModel):
 
 
 class CircuitPart(BaseModel):
-    """One part: its label in the drawing, its value, kind and purpose, the source of its numbers, and its pins.
-
-    ``symbol`` and ``footprint`` are names in KiCad's libraries; a part that is not on the circuit board has none.
-    """
+    """One part: its label in the drawing, its value, kind and purpose, the source of its numbers, and its pins."""
 
     model_config = Checked
 
@@ -45,7 +42,7 @@ class CircuitPart(BaseModel):
     price_eur: Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
     source: str = Field(min_length=3)
     board: bool = False
-    symbol: str = ""
+    symbol: str = ""  # in KiCad's libraries, as the footprint; none if the part is not on the circuit board
     footprint: str = ""
     pins: tuple[CircuitPin, ...] = ()
 

@@ -161,22 +161,17 @@ class SweepAirTemperature(NamedTuple):
 
 
 class WireChange(NamedTuple):
-    """What a sweep says about the wire as a whole.
+    """What a sweep says about the wire as a whole."""
 
-    By how much warmer it transforms [K], a known change of the air taken off, with its standard deviation [K]; the
-    changes at B and at C [ohm] with their own [ohm], that at C over that at B, and the change at B that so much warmer
-    martensite makes [ohm]; the ratio that a factor of the resistance would have; the largest change of one wire [ohm].
-    """
-
-    warming_k: float
+    warming_k: float  # by how much warmer it transforms, a known change of the air taken off
     warming_std_k: float
-    at_b_ohm: float
+    at_b_ohm: float  # change at B
     std_at_b_ohm: float
-    at_c_ohm: float
+    at_c_ohm: float  # change at C
     std_at_c_ohm: float
-    by_shift_ohm: float
-    ratio_of_a_factor: float
-    largest_ohm: float
+    by_shift_ohm: float  # change at B that so much warmer martensite makes
+    ratio_of_a_factor: float  # change at C over that at B, if it were a factor of the resistance
+    largest_ohm: float  # largest change of one wire
 
     @classmethod
     def from_overlay(cls, model: SensingModel, found: Overlay, b_ohm: float, air: SweepAirTemperature) -> WireChange:

@@ -50,53 +50,43 @@ ESTIMATOR_FAILED, CONTROLLER_FAILED = int(CompiledLoopEnd.ESTIMATOR_FAILED), int
 
 
 class RigArrays(NamedTuple):
-    """All that compiled code takes of one simulated rig; the arrays that change are its own.
+    """All that compiled code takes of one simulated rig; the arrays that change are its own."""
 
-    The wire is ``states``, ``constants``, ``cells`` and ``load``, arrays of one record each; ``plan`` says how a sample
-    is divided into steps. ``noise`` has a row of standard normal numbers for each sample, in the order in which the
-    instruments draw them; ``air`` the temperature [K] and the surface times the convection factor [m2] of each sample,
-    no rows in still air. ``readings`` and ``scales`` are those of the instruments. Of the wire's state, the numbers in
-    ``places`` are written into ``true`` after each sample. ``shown`` has a row for each sample, which begins with
-    ``RIG_COLUMNS``; ``true_displacement_m`` the true mean of the connector's displacement, ``held_m`` by how much
-    friction held it ahead of the wire at most, (1,).
-    """
-
-    states: Rows
+    states: Rows  # one record each, as of constants, cells and load
     constants: Rows
     cells: Rows
     load: Rows
-    plan: FloatArray
+    plan: FloatArray  # how a sample is divided into steps
     sample_period_s: float
     amplifier_resolution_v: float
     rules: Rows
     protection: Rows
+    # A row of standard normal numbers for each sample, in the order in which the instruments draw them.
     noise: FloatArray
-    air: FloatArray
+    air: FloatArray  # temperature [K] and surface times convection factor [m2] of each sample, no rows in still air
     readings: int
     scales: tuple[float, float, float, float, float]
-    places: IntArray
+    places: IntArray  # of the numbers of the wire's state that are written into ``true`` after each sample
     true: FloatArray
-    true_displacement_m: FloatArray
-    held_m: FloatArray
-    shown: FloatArray
+    true_displacement_m: FloatArray  # true mean of the connector's displacement in each sample
+    held_m: FloatArray  # by how much friction held the connector ahead of the wire at most, (1,)
+    shown: FloatArray  # a row for each sample, which begins with ``RIG_COLUMNS``
 
 
 class LoopArrays(NamedTuple):
     """All arrays of one closed loop; those that change are its own.
 
-    ``elapsed_s`` is the time of each sample in the recording, by which the estimator goes. ``targets`` are those at
-    each sample's end and those that hold after it. In a row of ``rig.shown`` there are, after ``RIG_COLUMNS``, the
-    estimator's numbers, target, estimate, its deviation and validity, the controller's numbers.
-    ``wire_places`` says where in the estimator's answer each number of a ``WireEstimate`` is; -1 for none.
+    In a row of ``rig.shown`` there are, after ``RIG_COLUMNS``, the estimator's numbers, target, estimate, its deviation
+    and validity, the controller's numbers.
     """
 
     rig: RigArrays
-    elapsed_s: FloatArray
-    targets: FloatArray
+    elapsed_s: FloatArray  # time of each sample in the recording, by which the estimator goes
+    targets: FloatArray  # those at each sample's end and those that hold after it
     estimator_constants: FloatArray
     estimator_state: FloatArray
     estimator_answer: FloatArray
-    wire_places: IntArray
+    wire_places: IntArray  # where in the estimator's answer each number of a ``WireEstimate`` is; -1 for none
     controller_constants: FloatArray
     controller_state: FloatArray
     controller_answer: FloatArray

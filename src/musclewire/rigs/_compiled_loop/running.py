@@ -41,17 +41,13 @@ class LoopTicks(NamedTuple):
 
 
 class CompiledRun(NamedTuple):
-    """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets.
-
-    ``true`` has what was asked of the wire's state at the end of each sample, (n_samples, n_names). With the controller
-    as it is then, and the drive that it has chosen, a loop goes on.
-    """
+    """How a compiled loop ended, how many samples are complete, and the columns of the rig, ticks and targets."""
 
     ended: CompiledLoopEnd
     samples: int
     columns: dict[str, FloatArray]
-    true: FloatArray
-    controller: CompiledTick
+    true: FloatArray  # of the wire's state at the end of each sample, as asked for, (n_samples, n_names)
+    controller: CompiledTick  # as it is at the end, to go on from
     next_drive_v: float
 
 

@@ -22,17 +22,14 @@ NOISE_V = 2e-4
 
 
 class ExerciseRow(NamedTuple):
-    """One row: whether the library is started again before it, the inputs, and Python's outcome after it.
+    """One row: inputs, which are exact in single precision, and Python's outcome after it."""
 
-    ``control_s`` is 0 if only a sample is taken. All inputs are numbers that single precision holds exactly.
-    """
-
-    start: bool
+    start: bool  # the library is started again before it
     wire_voltage_v: float
     shunt_voltage_v: float
     target: float
     tick_s: float
-    control_s: float
+    control_s: float  # 0 if only a sample is taken
     outcome: TickOutcome
 
 

@@ -42,19 +42,15 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 
 
 class CLibrary(NamedTuple):
-    """A library that was written: its folder, its name, its files (relative, in order) and its numbers.
-
-    ``single_error_share`` is the largest error of the estimate in single precision, as a fraction of the full scale;
-    ``reference`` is the tick in Python that the golden vectors come from.
-    """
+    """A library that was written: its folder, its name, its files (relative, in order) and its numbers."""
 
     folder: Path
     name: str
     files: tuple[str, ...]
     constants: CConstants
-    single_error_share: float
+    single_error_share: float  # largest error of the estimate in single precision over the full scale
     golden_rows: int
-    reference: ReferenceTick
+    reference: ReferenceTick  # tick in Python that the golden vectors come from
 
 
 def project_files(name: str, quantity: str) -> dict[str, str]:

@@ -32,15 +32,12 @@ GAINS = ("kp", "ki", "kd")
 
 
 class TickOutcome(NamedTuple):
-    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units.
-
-    The inverse of the wire's model has no gains: in their place are the three numbers that it records.
-    """
+    """The outcome of a library's tick: resistance, estimate, gains, allowed drive and protection state. SI units."""
 
     resistance_ohm: float
     estimate: float
     valid: bool
-    kp: float
+    kp: float  # of the inverse of the wire's model, kp, ki and kd are the three numbers that it records
     ki: float
     kd: float
     drive_voltage_v: float

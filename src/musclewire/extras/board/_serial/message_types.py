@@ -60,111 +60,62 @@ class FaultInjection(IntEnum):
 
 
 class IdentityFields(NamedTuple):
-    """What a board is and was built with; after HELLO, and unasked when it has started.
+    """What a board is and was built with; after HELLO, and unasked when it has started."""
 
-    Attributes:
-        protocol_version: version of this protocol.
-        firmware_major: version of the firmware, before the point.
-        firmware_minor: version of the firmware, after the point.
-        reset_cause: why the board started: a number of `reset_cause`.
-        tick_period_us: time between two readings of the converter [us].
-        control_period_us: time between two steps of the board's own controller [us].
-        sense_voltage_v: drive that heats by little and still lets resistance be measured [V].
-        maximum_voltage_v: highest drive that is applied [V].
-        shunt_resistance_ohm: R of Eq. 1 (Lan and Fan 2010) [ohm].
-        expiry_ms: so long without a command, and the heater is off [ms].
-        model_checksum: of model, controller and rules, as `musclewire export c` writes it into `mw_constants.h`.
-        event_at_reset: event that ended the last run; 20 after the watchdog, 21 if a run was interrupted.
-        board: name of the board.
-        quantity: what the board's model estimates: strain, displacement or force.
-        wire: name of the wire whose limits and model the firmware keeps.
-    """
-
-    protocol_version: int
-    firmware_major: int
-    firmware_minor: int
-    reset_cause: int
-    tick_period_us: int
-    control_period_us: int
-    sense_voltage_v: float
-    maximum_voltage_v: float
-    shunt_resistance_ohm: float
-    expiry_ms: int
-    model_checksum: int
-    event_at_reset: int
-    board: str
-    quantity: str
-    wire: str
+    protocol_version: int  # version of this protocol
+    firmware_major: int  # version of the firmware, before the point
+    firmware_minor: int  # version of the firmware, after the point
+    reset_cause: int  # why the board started: a number of `reset_cause`
+    tick_period_us: int  # time between two readings of the converter [us]
+    control_period_us: int  # time between two steps of the board's own controller [us]
+    sense_voltage_v: float  # drive that heats by little and still lets resistance be measured [V]
+    maximum_voltage_v: float  # highest drive that is applied [V]
+    shunt_resistance_ohm: float  # R of Eq. 1 (Lan and Fan 2010) [ohm]
+    expiry_ms: int  # so long without a command, and the heater is off [ms]
+    model_checksum: int  # of model, controller and rules, as `musclewire export c` writes it into `mw_constants.h`
+    event_at_reset: int  # event that ended the last run; 20 after the watchdog, 21 if a run was interrupted
+    board: str  # name of the board
+    quantity: str  # what the board's model estimates: strain, displacement or force
+    wire: str  # name of the wire whose limits and model the firmware keeps
 
 
 class BoardSample(NamedTuple):
-    """Means over the board's ticks since the sample before, and what the board does.
+    """Means over the board's ticks since the sample before, and what the board does."""
 
-    Attributes:
-        tick: the board's clock: it counts conversions, those that were missing too once the next has come [ticks].
-        state: the protection's state.
-        event: why it is in this state; 0 for no reason.
-        command_sequence: sequence of the last ARM, DRIVE or TARGET that was done.
-        drive_voltage_v: drive that is out [V].
-        wire_voltage_v: at the wire, mean; not a number without any reading [V].
-        shunt_voltage_v: at the shunt, mean; not a number without any reading [V].
-        resistance_ohm: of the means; 0 without current [ohm].
-        estimate: of the means, by the board's model in its own zero; not a number without current.
-        target: of the last TARGET; not a number before the first.
-    """
-
-    tick: int
-    state: int
-    event: int
-    command_sequence: int
-    drive_voltage_v: float
-    wire_voltage_v: float
-    shunt_voltage_v: float
-    resistance_ohm: float
-    estimate: float
-    target: float
+    tick: int  # the board's clock: it counts conversions, those that were missing too once the next has come [ticks]
+    state: int  # the protection's state
+    event: int  # why it is in this state; 0 for no reason
+    command_sequence: int  # sequence of the last ARM, DRIVE or TARGET that was done
+    drive_voltage_v: float  # drive that is out [V]
+    wire_voltage_v: float  # at the wire, mean; not a number without any reading [V]
+    shunt_voltage_v: float  # at the shunt, mean; not a number without any reading [V]
+    resistance_ohm: float  # of the means; 0 without current [ohm]
+    estimate: float  # of the means, by the board's model in its own zero; not a number without current
+    target: float  # of the last TARGET; not a number before the first
 
 
 class BoardEvent(NamedTuple):
-    """A change of the protection's state; at each of them.
+    """A change of the protection's state; at each of them."""
 
-    Attributes:
-        tick: when [ticks].
-        state: the state that follows.
-        event: why.
-        value: resistance of the last reading that was judged [ohm].
-    """
-
-    tick: int
-    state: int
-    event: int
-    value: float
+    tick: int  # when [ticks]
+    state: int  # the state that follows
+    event: int  # why
+    value: float  # resistance of the last reading that was judged [ohm]
 
 
 class Acknowledgement(NamedTuple):
-    """The answer to a command.
+    """The answer to a command."""
 
-    Attributes:
-        sequence: sequence of the command.
-        kind: type of the command.
-        result: what became of it: a number of `result`.
-    """
-
-    sequence: int
-    kind: int
-    result: int
+    sequence: int  # sequence of the command
+    kind: int  # type of the command
+    result: int  # what became of it: a number of `result`
 
 
 class BoardCorrection(NamedTuple):
-    """The correction that is in force; after CORRECT, before its ACK.
+    """The correction that is in force; after CORRECT, before its ACK."""
 
-    Attributes:
-        scale: what readings are scaled by for the estimate.
-        zero: what is added to every target.
-    """
-
-    scale: float
-    zero: float
+    scale: float  # what readings are scaled by for the estimate
+    zero: float  # what is added to every target
 
 
 # Payloads, little endian.

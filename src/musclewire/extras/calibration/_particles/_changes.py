@@ -17,16 +17,13 @@ OTHER_WIRE_S = 1.0
 
 
 class ChangeEvidence(NamedTuple):
-    """What an estimator by hypotheses has found in a sample: probabilities, ratios over the characterization, changes.
-
-    ``load_fraction`` is the change of the load's constant force over the pretension.
-    """
+    """What an estimator by hypotheses has found in a sample; ratios are over the characterization."""
 
     changed_air: float
     changed_load: float
     convection_ratio: float
     ambient_change_k: float
-    load_fraction: float
+    load_fraction: float  # change of the load's constant force over the pretension
     stiffness_ratio: float
     reason: Reason
 

@@ -56,17 +56,13 @@ UNEXPLAINED_MISFIT = 3.0
 
 
 class ParticleState(NamedTuple):
-    """The estimator's state.
+    """The estimator's state: hypotheses and evidence are of each explanation."""
 
-    That of the filter on the model, which says whether a sample is valid; the last time; hypotheses of and evidence for
-    each explanation; for how long something has changed; and the last value.
-    """
-
-    modelled: FilterState
+    modelled: FilterState  # of the filter on the model, which says whether a sample is valid
     time_s: float | None
     hypotheses: tuple[bytes, ...]
     evidence: tuple[float, ...]
-    change: ChangeState
+    change: ChangeState  # for how long something has changed
     value: float
 
 

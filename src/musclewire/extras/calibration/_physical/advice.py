@@ -46,16 +46,13 @@ COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
 
 @dataclass(frozen=True)
 class ExperimentAdvice:
-    """A recommended experiment: instructions, the parameters it would identify, and those it would narrow by half.
-
-    ``gain`` is its effect on all parameters: the sum of the logarithms of deviation before over after.
-    """
+    """A recommended experiment: instructions, the parameters it would identify, and those it would narrow by half."""
 
     title: str
     text: str
     identifies: tuple[str, ...]
     narrows: tuple[str, ...]
-    gain: float
+    gain: float  # on all parameters: sum of the logarithms of deviation before over after
 
 
 @cache

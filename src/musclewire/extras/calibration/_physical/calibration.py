@@ -51,16 +51,13 @@ def number(value: float) -> str:
 
 @dataclass(frozen=True)
 class CalibrationInputs:
-    """Inputs of a calibration: names of the recordings, the wire to start from, priors, effort.
-
-    ``notes`` state how the recordings were understood and which assumptions were made.
-    """
+    """Inputs of a calibration: names of the recordings, the wire to start from, priors, effort."""
 
     sources: tuple[str, ...]
     wire: str
     priors: PriorSet
     settings: SearchSettings
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  # how the recordings were understood and which assumptions were made
 
 
 @dataclass(frozen=True, eq=False)

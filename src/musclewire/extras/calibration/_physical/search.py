@@ -158,16 +158,13 @@ def settings_of_effort(effort: str) -> SearchSettings:
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """Result of a search: vector (n,), residuals (m,), their derivative (m, n), and the number of simulations.
-
-    Where several of ``ends``, (descents, n), and their ``costs`` agree, no other minimum was found.
-    """
+    """Result of a search: vector (n,), residuals (m,), their derivative (m, n), and the number of simulations."""
 
     coordinates: FloatArray
     residuals: FloatArray
     jacobian: FloatArray
-    costs: tuple[float, ...]
-    ends: FloatArray
+    costs: tuple[float, ...]  # at the ends of the descents; if several agree, no other minimum was found
+    ends: FloatArray  # (descents, n)
     simulations: int
 
     @property

@@ -31,26 +31,24 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class PaperCheck:
-    """The paper's number and how to measure ours; ``measure`` may raise any error of an unusable loop.
+    """The paper's number and how to measure ours.
 
-    ``paper`` and ``tolerance`` are in ``unit``. "within" requires ours to be no further than the tolerance from the
-    paper's number, "at most" no more than the tolerance above it, "at least" no more than the tolerance below it;
-    "reported" requires nothing but a number: such a row counts neither as holding nor as failing.
-    ``origin`` states what the number owes to the paper's, ``needs`` the command of the package that it is measured by,
-    "" if that is always there.
+    "within" requires ours to be no further than the tolerance from the paper's number, "at most" no more than the
+    tolerance above it, "at least" no more than the tolerance below it; "reported" requires nothing but a number: such a
+    row counts neither as holding nor as failing.
     """
 
     name: str
     paper: float
-    unit: str
+    unit: str  # of the paper's number and the tolerance
     tolerance: float
     why: str
     kind: Kind
-    measure: Callable[[RunCache], float]
+    measure: Callable[[RunCache], float]  # may raise any error of an unusable loop
     compare: Compare = "within"
     _: KW_ONLY
-    origin: Origin
-    needs: str = ""
+    origin: Origin  # what the number owes to the paper's
+    needs: str = ""  # command of the package that it is measured by, "" if that is always there
 
 
 class SeedResult(NamedTuple):

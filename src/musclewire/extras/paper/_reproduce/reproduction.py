@@ -23,12 +23,10 @@ OnSeed = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class SeedCallbacks:
-    """Callbacks: ``on_seed`` after each seed, with how many are done and of how many.
+    """Callbacks of a measurement on several seeds."""
 
-    ``on_run`` is called between runs, and at least five times a second while this process waits; it may raise to stop.
-    """
-
-    on_seed: OnSeed = lambda _done, _total: None
+    on_seed: OnSeed = lambda _done, _total: None  # after each, with how many are done and of how many
+    # Between runs, and at least five times a second in waiting; it may raise to stop.
     on_run: Callable[[], None] = lambda: None
 
 

@@ -39,21 +39,16 @@ SPREAD = (0.05, 0.95)
 
 @dataclass(frozen=True)
 class ReproductionRow:
-    """A check with its outcome over seeds.
-
-    ``ours`` is the median over the ``seeds`` that have a number, None if none has; ``low`` and ``high`` are their 5 and
-    95 % points, ``median_low`` and ``median_high`` the 95 % interval of the median. ``problem`` states why seeds have
-    no number, and how many.
-    """
+    """A check with its outcome over seeds."""
 
     name: str
     paper: float
-    ours: float | None
-    low: float | None
+    ours: float | None  # median over the seeds that have a number, None if none has
+    low: float | None  # 5 and 95 % points of these
     high: float | None
-    median_low: float | None
+    median_low: float | None  # 95 % interval of the median
     median_high: float | None
-    seeds: int
+    seeds: int  # those that have a number
     unit: str
     tolerance: float
     compare: Compare
@@ -63,7 +58,7 @@ class ReproductionRow:
     why: str
     kind: Kind
     origin: Origin
-    problem: str | None
+    problem: str | None  # why seeds have no number, and how many
 
     @property
     def ok(self) -> bool:
