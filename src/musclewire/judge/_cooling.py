@@ -22,12 +22,7 @@ HIGHEST = "cooling after the loop, the highest resistance"
 
 
 def seen_cooling(loop: JudgedLoop) -> SeenAtB | None:
-    """Return how high the resistance was in the cooling after a loop; None if nobody looked, or it is not known.
-
-    That is of a wire whose resistance has risen since the loop's end by more than repeats: of any other it had turned
-    before. One that still rises may rise by as much again as in the last half of the time, so that where it is below
-    the slow loop's highest it counts as so much nearer.
-    """
+    """Return how high the resistance was in the cooling after a loop; None if nobody looked, or it is not known."""
     known, cooling_ohm = KnownB.stated_in(loop.facts), loop.facts.number_or_none("model_cooling_ohm")
     cooling = loop.recording.cooling
     if known is None or cooling_ohm is None or cooling is None or "wire_resistance_ohm" not in loop.recording:
@@ -43,10 +38,10 @@ def seen_cooling(loop: JudgedLoop) -> SeenAtB | None:
     means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
     std_ohm = hypot(known.std_ohm, noise_level(resistance_ohm) / MEAN_SAMPLES**0.5)
     highest_ohm = float(means_ohm.max())
-    if not highest_ohm > begins_ohm + LIMIT_STDS * std_ohm:
+    if not highest_ohm > begins_ohm + LIMIT_STDS * std_ohm:  # it had turned before the loop's end
         return None
     away_ohm = highest_ohm - cooling_ohm
-    if away_ohm < 0.0:
+    if away_ohm < 0.0:  # one that still rises may rise by as much again as in the last half of the time
         away_ohm = min(away_ohm + max(float(means_ohm[-1] - means_ohm[means_ohm.size // 2]), 0.0), 0.0)
     percent = 100.0 / (known.b_ohm - known.c_ohm)
     return SeenAtB(len(loop.recording) - 1, percent * away_ohm, percent * LIMIT_STDS * std_ohm, HIGHEST)

@@ -80,31 +80,13 @@ MIN_MEASURED = 12
 
 @dataclass(frozen=True)
 class MeasuredLoop:
-    """The rows of a recording that are measurements; all arrays are (n_times,).
-
-    Parameters
-    ----------
-    time_s
-        Time [s].
-    resistance_ohm
-        Resistance [ohm].
-    moved
-        Strain as a fraction, displacement [m] or force [N].
-    current_a
-        Current [A]; None if it was not recorded.
-    source
-        The columns from which resistance follows.
-    quantity
-        What moved.
-    facts
-        What is stated of the run.
-    """
+    """The rows of a recording that are measurements; all arrays are (n_times,)."""
 
     time_s: FloatArray
     resistance_ohm: FloatArray
-    moved: FloatArray
+    moved: FloatArray  # strain as a fraction, displacement [m] or force [N]
     current_a: FloatArray | None
-    source: tuple[str, ...]
+    source: tuple[str, ...]  # the columns from which resistance follows
     quantity: str
     facts: RunFacts
 
@@ -196,10 +178,7 @@ def scatter_ohm(resistance_ohm: FloatArray, rows: Rows) -> float:
 
 
 def jump_with_current(loop: MeasuredLoop) -> Numbers:
-    """Return by how much the resistance of the cold wire, which stands still, jumps at a current.
-
-    What heats the wire raises its resistance evenly with the power; a jump is what such a line leaves.
-    """
+    """Return by how much the cold wire's resistance jumps at a current, beyond its even rise with the power."""
     if loop.current_a is None:
         return None
     still = loop.moved <= loop.moved.min() + STILL * loop.stroke
@@ -218,10 +197,7 @@ def jump_with_current(loop: MeasuredLoop) -> Numbers:
 
 
 def largest_jump(power: FloatArray, values: FloatArray) -> tuple[int, float, float]:
-    """Return before which row of rising power values jump most clearly, by how much, and that jump's standard error.
-
-    Least squares of a line and a jump, for each place of the jump at once.
-    """
+    """Return where values jump most off their line over a rising power, by how much, and that jump's standard error."""
     count = values.size
     centred = power - power.mean()
     square = float(centred @ centred)
@@ -359,11 +335,7 @@ BY_QUANTITY = {quantity: partial(defects_in, quantity=quantity) for quantity in 
 
 
 def recording_defects(recording: Recording, quantity: str, model_stroke: float = 0.0) -> tuple[str, ...]:
-    """Return what a recording shows against itself, each with its number; nothing without an instrument of motion.
-
-    Nothing of one without a cycle by the stroke of a model. Each detector looks at a recording once, however often it
-    is asked.
-    """
+    """Return what a recording shows against itself; nothing without motion, or a cycle by the stroke of a model."""
     stroke, found = asked_once(recording, BY_QUANTITY[quantity])
     return tuple(found.values()) if stroke >= CYCLE_PART * model_stroke else ()
 
@@ -391,9 +363,8 @@ class MeasuredRows(NamedTuple):
 def measured_rows(recording: Recording) -> MeasuredRows:
     """Return the rows of a recording in which its instruments of motion measured, and that nobody put between others.
 
-    A loop of 71 readings that was drawn out to 1,420 rows holds no more than 71. Its noise does not scatter from row to
-    row, so that whatever learns noise from neighbouring rows takes it for a motion of the wire. Raises RecordingError
-    if most of what moved was not measured.
+    What learns noise from neighbouring rows would take interpolated noise for a motion of the wire. Raises
+    RecordingError if most of what moved was not measured.
     """
     rows, n_times = asked_once(recording, rows_between_lines), len(recording)
     moved, said = asked_once(recording, judged_motion)
@@ -416,11 +387,7 @@ def judged_motion(recording: Recording) -> tuple[NDArray[np.bool_], tuple[str, .
 
 
 def rows_between_lines(recording: Recording) -> NDArray[np.intp] | None:
-    """Return the rows of a recording whose electrical readings were measured; None if all were, or it does not show.
-
-    They are (n_measured,), rising, with the first and the last. It shows in rows that are interpolated by straight
-    lines, a regular number of them between two measured ones.
-    """
+    """Return the rows, (n_measured,), between which electrical readings lie on straight lines; None if none show."""
     time_s = recording["time_s"]
     if time_s.size < MIN_SPACING * MIN_MEASURED:
         return None
@@ -450,11 +417,8 @@ def rows_between_lines(recording: Recording) -> NDArray[np.intp] | None:
 
 
 def bends_of(time_s: FloatArray, values: FloatArray) -> FloatArray:
-    """Return how far each row lies off the line through its neighbours, as a part of the column's range, (n_times,).
-
-    The ends are infinitely far off, as is a reading that stands still between its neighbours: a converter with coarse
-    steps gives such, and it is on no line that anybody drew.
-    """
+    """Return how far each row lies off the line through its neighbours, as a part of the column's range, (n_times,)."""
+    # Infinite at the ends, and where readings stand still, as those of a converter with coarse steps: on no drawn line.
     bends = np.full(values.size, np.inf)
     finite = values[np.isfinite(values)]
     span = float(np.ptp(finite)) if finite.size else 0.0

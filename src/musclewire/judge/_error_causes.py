@@ -55,46 +55,20 @@ IN_WORDS = {
 
 @dataclass(frozen=True)
 class ErrorGroup:
-    """The counted samples whose errors have one cause, and the largest of these errors.
-
-    Parameters
-    ----------
-    cause
-        The cause, an :class:`ErrorCause`.
-    why
-        The cause in words.
-    fraction
-        Fraction of the counted samples.
-    squared_error_fraction
-        Fraction of the sum of squared errors.
-    rms_without_pct
-        Root mean square error [%] of the stroke of all other counted samples; None if there are none.
-    largest_pct
-        Largest error [%] of the stroke, estimated less measured.
-    time_s
-        Its time [s].
-    branch
-        The branch on which it is, as the reference moves: "heating" or "cooling".
-    voltage_v
-        Drive voltage [V] at that time, or the wire's where the drive was not recorded; None without either.
-    estimated, measured
-        Estimate and reference at that time: strain as a fraction, displacement [m] or force [N].
-    explained
-        How much of their difference the cause makes: it leaves half of it at most.
-    """
+    """The counted samples whose errors have one cause, and the largest of these errors."""
 
     cause: ErrorCause
-    why: str
-    fraction: float
-    squared_error_fraction: float
-    rms_without_pct: float | None
-    largest_pct: float
+    why: str  # the cause in words
+    fraction: float  # of the counted samples
+    squared_error_fraction: float  # of the sum of squared errors
+    rms_without_pct: float | None  # of the stroke, over all other counted samples; None if there are none
+    largest_pct: float  # error of the stroke, estimated less measured; what follows is at its time
     time_s: float
-    branch: str
-    voltage_v: float | None
-    estimated: float
-    measured: float
-    explained: float
+    branch: str  # as the reference moves: "heating" or "cooling"
+    voltage_v: float | None  # of the drive, or the wire's where that was not recorded
+    estimated: float  # strain as a fraction, displacement [m] or force [N]
+    measured: float  # the same of the reference
+    explained: float  # how much of their difference the cause makes: it leaves half of it at most
 
     def in_words(self, quantity: str) -> str:
         """Return where these errors are and why, as a line."""
@@ -112,35 +86,18 @@ class ErrorGroup:
 
 @dataclass(frozen=True, eq=False)
 class JudgedEstimate:
-    """An estimate and its reference, sample by sample; all arrays (n_times,).
-
-    Parameters
-    ----------
-    model
-        The model of the estimate.
-    recording
-        Its recording.
-    resistance_ohm
-        Resistance [ohm].
-    estimated, measured
-        Strain as a fraction, displacement [m] or force [N].
-    valid
-        Which samples count; at none of them the wire is colder than the model begins.
-    """
+    """An estimate and its reference, sample by sample; all arrays (n_times,)."""
 
     model: SensingModel
     recording: Recording
     resistance_ohm: FloatArray
-    estimated: FloatArray
-    measured: FloatArray
-    valid: Mask
+    estimated: FloatArray  # strain as a fraction, displacement [m] or force [N]
+    measured: FloatArray  # the same of the reference
+    valid: Mask  # which samples count; at none of them the wire is colder than the model begins
 
     @property
     def groups(self) -> tuple[ErrorGroup, ...]:
-        """The counted samples by the cause of their error, that with the most of the squared error first.
-
-        A sample has the first cause whose part leaves little of its error.
-        """
+        """The counted samples by the first cause that leaves little of their error, most of the squared error first."""
         error, free, heating, found = self.estimated - self.measured, self.valid, rising_of(self), []
         for cause, part in parts_of(self, heating).items():
             holds = np.abs(error - part) <= EXPLAINED * np.abs(error)
@@ -173,11 +130,7 @@ class JudgedEstimate:
 
 
 def parts_of(judged: JudgedEstimate, heating: Mask) -> dict[ErrorCause, FloatArray]:
-    """Return how much of each sample's error each cause makes, in the model's quantity; the last makes all of it.
-
-    What an estimate between the branches is off the wire's own makes their gap, what one elsewhere is off it the
-    estimator, and what the wire is off it the model.
-    """
+    """Return how much of each sample's error each cause makes, in the model's quantity; the last makes all of it."""
     model, measured = judged.model, judged.measured
     error = judged.estimated - measured
     normalised = normalised_resistance(judged.resistance_ohm, model.resistance_min_ohm, model.resistance_max_ohm)

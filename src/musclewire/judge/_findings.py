@@ -27,27 +27,13 @@ ALWAYS, NEVER = 0.0, math.inf
 
 
 class Finding(NamedTuple):
-    """What may be wrong with a closed loop, so that its result may not hold.
+    """What may be wrong with a closed loop, so that its result may not hold."""
 
-    Parameters
-    ----------
-    key
-        Its name for programs.
-    name
-        Its name in words.
-    grave_beyond
-        From more than which part of the time with a target on a run does not hold.
-    detect
-        Finds it in a loop; None if an estimator alone does.
-    recorded
-        What an estimator that finds it records in the column ``health``.
-    """
-
-    key: str
-    name: str
-    grave_beyond: float
-    detect: Callable[[JudgedLoop], DetectedRows] | None
-    recorded: Cause = Cause.NONE
+    key: str  # its name for programs
+    name: str  # in words
+    grave_beyond: float  # from more than which part of the time with a target on a run does not hold
+    detect: Callable[[JudgedLoop], DetectedRows] | None  # None if an estimator alone finds it
+    recorded: Cause = Cause.NONE  # what an estimator that finds it records in the column ``health``
 
     def found_in(self, loop: JudgedLoop) -> DetectedRows:
         """Return the samples at which it is found."""
@@ -114,21 +100,11 @@ class TimedFinding(NamedTuple):
 
 @dataclass(frozen=True)
 class Judgement:
-    """What is wrong in a closed loop; nothing in a recording without a target.
+    """What is wrong in a closed loop; nothing in a recording without a target."""
 
-    Parameters
-    ----------
-    findings
-        Each with its time, in the order of time.
-    does_not_hold
-        Why its result does not hold: model, load, grave findings; "" if it does.
-    not_compared
-        What it was to be compared with and was not, in words.
-    """
-
-    findings: tuple[TimedFinding, ...]
-    does_not_hold: str
-    not_compared: tuple[str, ...]
+    findings: tuple[TimedFinding, ...]  # in the order of time
+    does_not_hold: str  # why: model, load, grave findings; "" if its result holds
+    not_compared: tuple[str, ...]  # what it was to be compared with and was not, in words
 
     @property
     def metadata(self) -> dict[str, str]:

@@ -46,15 +46,12 @@ NO_COOLING = (
 
 
 class SeenAtB(NamedTuple):
-    """B of a first heating: its row, how far it is above the model's, and the limit, in % of the span from B to C.
-
-    ``which`` says in words of another maximum which it is.
-    """
+    """B of a first heating: its row, how far it is above the model's, and the limit, in % of the span from B to C."""
 
     row: int
     away_pct: float
     limit_pct: float
-    which: str = "B"
+    which: str = "B"  # or in words another maximum
 
     @property
     def is_away(self) -> bool:
@@ -71,28 +68,14 @@ class SeenAtB(NamedTuple):
 
 
 class KnownB(NamedTuple):
-    """What a model's slow loop showed of B, and the drive at which a rig only senses.
-
-    Parameters
-    ----------
-    b_ohm, c_ohm
-        Resistance at B and at C [ohm].
-    rise_ohm
-        Rise from the cold wire to B [ohm].
-    std_ohm
-        Standard deviation with which B repeats [ohm].
-    highest_ohm
-        Highest resistance of the whole loop [ohm]: B's, or that of a wire which turns higher when it cools.
-    sense_voltage_v
-        Drive that hardly heats [V].
-    """
+    """What a model's slow loop showed of B, and the drive at which a rig only senses."""
 
     b_ohm: float
     c_ohm: float
-    rise_ohm: float
-    std_ohm: float
-    highest_ohm: float
-    sense_voltage_v: float
+    rise_ohm: float  # from the cold wire to B
+    std_ohm: float  # with which B repeats
+    highest_ohm: float  # of the whole loop: B's, or that of a wire which turns higher when it cools
+    sense_voltage_v: float  # hardly heats
 
     @classmethod
     def stated_in(cls, facts: RunFacts) -> KnownB | None:
@@ -112,10 +95,7 @@ class KnownB(NamedTuple):
         return cls.stated_in(RunFacts({**height_of_b(model), "limit_sense_voltage_v": sense_voltage_v}))
 
     def passed_in(self, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> tuple[int, float] | None:
-        """Return row and height [ohm] of the first maximum that a run's resistance, (n_times,), has fallen from.
-
-        None without one. What was read with little current is passed over.
-        """
+        """Return row and height [ohm] of the first maximum, read with enough current, that a resistance fell from."""
         first = 0
         while (found := first_maximum(resistance_ohm[first:], self.b_ohm - self.c_ohm, self.std_ohm)) is not None:
             row = first + round(found.place)
@@ -144,12 +124,7 @@ class KnownB(NamedTuple):
 
 
 def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
-    """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not.
-
-    B, C, the highest of the whole loop and of its cooling, and the rise from the cold wire to B [ohm], and the standard
-    deviation [ohm] with which B repeats: by the drift that a trained wire has, and the noise of a reading. A cooling
-    that ended warm, or while the resistance rose, in its last tenth by more than repeats, has not shown its highest.
-    """
+    """Return the height of B in a model's slow loop, which a run's first heating is compared with, or why it is not."""
     resistance_ohm = np.array([row[2] for row in model.slow_loop])
     try:
         seen = find_resistance_extremes(resistance_ohm)
@@ -158,10 +133,12 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
     if not seen.saw_b:
         return {"b_not_compared": NO_MAXIMUM}
     means_ohm = np.convolve(resistance_ohm, np.full(MEAN_SAMPLES, 1.0 / MEAN_SAMPLES), "valid")
+    # B repeats by the drift that a trained wire has, and the noise of a reading.
     std_ohm = hypot(model.drift_resistance_ohm, model.resistance_noise_ohm)
     cooling_ohm = means_ohm[means_ohm.argmin() :]
     cold_from_ohm = model.cold_resistance_ohm - HOT_FRACTION * (model.resistance_max_ohm - model.resistance_min_ohm)
     still_rose = cooling_ohm.max() == cooling_ohm[-1] > cooling_ohm[-1 - cooling_ohm.size // 10] + std_ohm
+    # A cooling that ended warm, or while the resistance rose, has not shown its highest.
     shows_it = cooling_ohm.max() > cold_from_ohm and not still_rose
     return {
         "model_b_ohm": model.resistance_max_ohm,
@@ -174,10 +151,7 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
 
 
 def noise_at(row: int, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> float:
-    """Return the noise of a reading [ohm] at a row, from the rows before; 0 if they are too few.
-
-    What a voltage's noise is in resistance falls with the drive.
-    """
+    """Return the noise of a reading [ohm] at a row, by its drive, from the rows before; 0 if they are too few."""
     return noise_level(resistance_ohm[:row], drive_voltage_v[:row] / drive_voltage_v[row])
 
 

@@ -36,10 +36,7 @@ class KnownStrain(NamedTuple):
 def known_strain_in(
     known: float | tuple[float, float] | None, reference: Reference, approach_s: float, sample_period_s: float
 ) -> KnownStrain | None:
-    """Return a known strain with its time: the end of a reference's first hold, if none was given; None for None.
-
-    Raises CallerError if there is no such hold.
-    """
+    """Return a known strain with its time, or with the end of a reference's first hold. Raises CallerError without."""
     if known is None:
         return None
     try:
@@ -107,10 +104,7 @@ def missed_known_strain(loop: JudgedLoop) -> DetectedRows:
 
 
 def held_mean(rows: FloatArray, std: float) -> FloatArray:
-    """Return the mean of rows, (n, columns), since the estimate, in the last column, has been within its interval.
-
-    A wire that moves is where its last rows say, and not where it was a second before.
-    """
+    """Return the mean of rows, (n, columns), since the estimate, in the last column, has been within its interval."""
     away = np.flatnonzero(np.abs(rows[:, -1] - rows[-1, -1]) > WITHIN_STD * std)
     return np.asarray(rows[away[-1] + 1 if away.size else 0 :].mean(axis=0))
 

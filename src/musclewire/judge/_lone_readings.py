@@ -70,10 +70,7 @@ def lone_rows(values: FloatArray, without_zero: bool = False) -> Rows:
 
 
 def marks_in(values: FloatArray) -> Rows:
-    """Return the rows at an end of a column if few rows have it and it is farther from all others than these differ.
-
-    And farther than all others are from zero, if these are hardly more than one value.
-    """
+    """Return the rows at an end of a column if few have it, farther from the rest than that is wide, or large."""
     for end in (values.max(initial=-np.inf), values.min(initial=np.inf)):
         marked = values == end
         rest = values[~marked]

@@ -25,10 +25,8 @@ AT_LIMIT, NOT_REACHED = 0.01, 0.05
 
 
 def in_windows(extreme: np.ufunc, values: FloatArray, length: int) -> FloatArray:
-    """Return the minimum or maximum of each value and those after it, so many in total, (n_times - length + 1,).
-
-    In windows of twice the length each time: of a view of all windows NumPy takes ten times as long.
-    """
+    """Return the minimum or maximum of each value and those after it, so many in total, (n_times - length + 1,)."""
+    # In windows of twice the length each time: of a view of all windows NumPy takes ten times as long.
     reached = 1
     while reached < length:
         further = min(reached, length - reached)
@@ -135,10 +133,9 @@ class JudgedLoop:
 
     @cached_property
     def sensed(self) -> Mask:
-        """The samples from which on the wire is sensed; all of them if it never is, or it is not known.
+        """The samples from the first valid ``SENSED_S`` on; all if there are none.
 
-        Below B the resistance of a cold wire does not determine its strain: that it is not sensed there is no fault. It
-        is sensed from the first sample on that begins ``SENSED_S`` of valid ones; a shorter while may be a cold wire's.
+        Before it the wire is cold of B, where resistance does not determine its strain, and that is no fault.
         """
         if "valid" not in self.recording:
             return self.since(0)

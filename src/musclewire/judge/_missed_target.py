@@ -32,27 +32,16 @@ MAY_LAG_S = SAID_AFTER_S = 1.0
 
 
 class SeenLoop(NamedTuple):
-    """What a loop sees of itself, at one sample or at all of them, in the unit of its quantity.
-
-    Parameters
-    ----------
-    target, estimate, std
-        Target, estimate and its standard deviation.
-    valid
-        Whether the estimate is valid; what could not be sensed has no interval: the wire is cold of B, or beyond C.
-    announced_low, announced_high
-        Between which distances from its target the fastest wire was within the last second.
-    sensed_range
-        How far the model senses.
-    """
+    """What a loop sees of itself, at one sample or at all of them, in the unit of its quantity."""
 
     target: FloatArray | float
     estimate: FloatArray | float
     std: FloatArray | float
-    valid: Mask | float
+    valid: Mask | float  # an estimate without it has no interval: the wire is cold of B, or beyond C
+    # Between which distances from its target the fastest wire was within the last second.
     announced_low: FloatArray | float
     announced_high: FloatArray | float
-    sensed_range: float
+    sensed_range: float  # how far the model senses
 
     def misses(self) -> tuple[Mask, Mask]:
         """Return where the target is missed, and where the interval is too wide to say whether it is."""
@@ -67,18 +56,10 @@ class SeenLoop(NamedTuple):
 
 
 class MissedTarget(NamedTuple):
-    """Where the estimate of a closed loop was too far from its target.
+    """Where the estimate of a closed loop was too far from its target; nowhere in an interrupted run."""
 
-    Parameters
-    ----------
-    rows
-        The samples at which the target was missed, (n_times,); none of an interrupted run, or if they are few.
-    hidden
-        Those at which it may have been, but the interval is too wide to say, likewise.
-    """
-
-    rows: Mask
-    hidden: Mask
+    rows: Mask  # the samples at which the target was missed, (n_times,); none if they are few
+    hidden: Mask  # those at which it may have been, but the interval is too wide to say, likewise
 
 
 def missed_target(loop: JudgedLoop) -> MissedTarget:
@@ -108,10 +89,7 @@ def interval_too_wide(loop: JudgedLoop) -> DetectedRows:
 
 
 def missed_in_words(loop: JudgedLoop, rows: Mask) -> str:
-    """Return in words for how much of the time and by how much a target was missed, and the cause, where it is known.
-
-    Known is what was there at more than half of the samples that miss.
-    """
+    """Return in words for how much of the time and by how much a target was missed, and what caused most of it."""
     below = loop.away < 0.0
     known = {
         "the protection": below & loop.at_lower_limit,
@@ -134,32 +112,16 @@ def within_last(length: int, values: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 class MissWatch:
-    """Says of a loop that runs for how long it has missed its target, once that has lasted.
-
-    Parameters
-    ----------
-    suffix
-        The ending of the columns of its quantity.
-    sensed_range
-        How far the model senses, in the unit of the quantity.
-    approach_s
-        Time [s] before which nothing is missed.
-    """
+    """Says of a loop that runs for how long it has missed its target, once that has lasted."""
 
     def __init__(self, suffix: str, sensed_range: float, approach_s: float) -> None:
-        """Begin with nothing missed."""
+        """Begin with nothing missed, as all is before ``approach_s``; ``suffix`` ends the columns of the quantity."""
         self._suffix, self._sensed_range, self._approach_s = suffix, sensed_range, approach_s
         self._since_s = math.inf
         self._announced: deque[tuple[float, float]] = deque()
 
     def after(self, row: Mapping[str, float | None]) -> str:
-        """Return what is to be said after a row of the loop; "" while it is on its way, or there.
-
-        Parameters
-        ----------
-        row
-            A recorded row, with its time.
-        """
+        """Return what is to be said after a recorded row of the loop; "" while it is on its way, or there."""
         numbers = {name: math.nan if value is None else value for name, value in row.items()}
         self._announced.append((numbers["time_s"], numbers.get("announced_miss", 0.0)))
         while self._announced[0][0] < numbers["time_s"] - MAY_LAG_S:

@@ -34,24 +34,12 @@ NO_ROWS = np.zeros(0, dtype=np.intp)
 
 
 class OddResistance(NamedTuple):
-    """Where a run's resistance is none of the model's wire.
+    """Where a run's resistance is none of the model's wire; percentages are of the span from B to C."""
 
-    Parameters
-    ----------
-    jumps
-        The rows at which it jumped, (n_jumps,).
-    largest_jump_pct
-        The largest of these jumps, in % of the span from B to C.
-    above
-        The rows at which it is above all that the slow loop showed, (n_above,).
-    above_pct
-        By how much at most, in % of the span.
-    """
-
-    jumps: npt.NDArray[np.intp] = NO_ROWS
+    jumps: npt.NDArray[np.intp] = NO_ROWS  # the rows at which it jumped
     largest_jump_pct: float = 0.0
-    above: npt.NDArray[np.intp] = NO_ROWS
-    above_pct: float = 0.0
+    above: npt.NDArray[np.intp] = NO_ROWS  # the rows at which it is above all that the slow loop showed
+    above_pct: float = 0.0  # by how much at most
 
 
 def odd_resistance(loop: JudgedLoop) -> OddResistance:
@@ -83,9 +71,7 @@ def bad_contact(loop: JudgedLoop) -> DetectedRows:
 def other_height_of_b(loop: JudgedLoop) -> DetectedRows:
     """Return the samples from another B than the model's on, or from a resistance above all of the slow loop's on.
 
-    In words where B is, and what a run from today's zero has made of it; of one at the model's height, or that was not
-    seen, how far above the slow loop the resistance was, then or in the cooling after the loop: what that alone shows
-    has come at a time that is not known, once the wire was sensed.
+    What the cooling after the loop alone shows has come at a time that is not known, once the wire was sensed.
     """
     seen, odd = loop.once(seen_at_b), loop.once(odd_resistance)
     above = loop.since_first(odd.above)
@@ -104,8 +90,7 @@ def other_height_of_b(loop: JudgedLoop) -> DetectedRows:
 def reading_noise_ohm(resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> FloatArray:
     """Return the noise of each reading [ohm], (n_times,): what a voltage's noise is in resistance falls with the drive.
 
-    Not by ``noise_level``, for which a converter that repeats itself has no noise: readings that repeat say nothing of
-    its step, and those that do not are at least one apart.
+    Not by ``noise_level``, for which a converter that repeats itself has no noise.
     """
     bends_v = np.abs(np.diff(resistance_ohm, 2)) * drive_voltage_v[1:-1]
     bends_v = bends_v[np.isfinite(bends_v) & (bends_v > 0.0)]
@@ -128,8 +113,7 @@ def jumps_in(
 ) -> tuple[npt.NDArray[np.intp], FloatArray]:
     """Return at which of some rows a resistance has jumped up to stay, and by how much, (n_jumps,) each.
 
-    It is so much higher on both readings after the row than on both before it, beyond what it moves between these: a
-    wire that moves goes on moving. NaN is no reading.
+    On both readings after the row it is higher than on both before it by more than it moves: a wire that moves goes on.
     """
     before = [resistance_ohm[rows - back] for back in (2, 1)]
     after = [resistance_ohm[rows + on] for on in (1, 2)]

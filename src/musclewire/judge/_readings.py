@@ -54,9 +54,9 @@ class CircuitReadings(NamedTuple):
 
 
 class JudgedRecording:
-    """A recording's electrical columns as its judges see them: what follows from them, each worked out once.
+    """A recording's electrical columns, and what follows from them, each worked out once.
 
-    Whatever does not follow raises RecordingError. It keeps the columns, and not the recording, whose answer it is.
+    Whatever does not follow raises RecordingError.
     """
 
     def __init__(self, recording: Recording) -> None:
@@ -125,11 +125,7 @@ class JudgedRecording:
 
     @cached_property
     def circuit(self) -> CircuitReadings:
-        """What an estimator takes, sample by sample, whatever was recorded.
-
-        A current that was measured otherwise is that through a shunt of 1 ohm. The drive is wire and shunt together if
-        it was not recorded.
-        """
+        """What an estimator takes, sample by sample; a current without a shunt is that through one of 1 ohm."""
         if not self.has_current:
             raise RecordingError(
                 f"{self._facts.whose} has the wire's resistance and no current, so there is no power by which to know "
@@ -159,8 +155,6 @@ class JudgedRecording:
 def resistance_reading(recording: Recording) -> ArrayReading:
     """Return resistance [ohm] and validity of every sample, from whichever electrical columns there are (Eq. 1).
 
-    A sample without current is not valid, nor is one whose readings are no measurements, as at the end of an
-    instrument's range. Raises RecordingError if no resistance follows from the columns, two of them contradict each
-    other, or no sample can be used.
+    Raises RecordingError if none follows from them, two of them contradict each other, or no sample can be used.
     """
     return asked_once(recording, JudgedRecording).reading

@@ -40,21 +40,7 @@ MIN_FALL, KEPT_AT_REST = 0.04, 40
 
 
 class RunCorrection:
-    """Corrects the model of a run as the run shows it to be necessary.
-
-    Parameters
-    ----------
-    model
-        The model of the wire, in the quantity that is estimated.
-    shunt_resistance_ohm
-        R [ohm] of Eq. 1.
-    known_b
-        What the model's slow loop showed of B; None to leave its height out.
-    known_strain
-        The strain that is known at one moment; None if none is.
-    room
-        What the room makes of the zero; nothing by default.
-    """
+    """Corrects the model of a run as the run shows it to be necessary; without ``known_b`` its height is left out."""
 
     def __init__(
         self,
@@ -64,7 +50,7 @@ class RunCorrection:
         known_strain: KnownStrain | None = None,
         room: Correction | None = None,
     ) -> None:
-        """Begin before the first sample. Raises CallerError for a known strain that the model does not reach."""
+        """Begin with what the room makes of the zero. Raises CallerError for a strain that the model does not reach."""
         if known_strain is not None and not model.quantity_min <= known_strain.value <= model.quantity_max:
             factor, unit = SHOWN_AS[model.quantity]
             raise CallerError(

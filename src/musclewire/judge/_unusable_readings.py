@@ -74,46 +74,22 @@ MIN_LATE_MISFIT, LEFT_BY_SHIFT, MAX_LEFT, MIN_LATE_ROWS, MAX_LATE_ROWS = 0.01, 1
 
 
 class UnusableRows(NamedTuple):
-    """Rows of a column that are no measurements.
-
-    Parameters
-    ----------
-    column
-        The column.
-    rows
-        Which rows, (n_times,).
-    why
-        What they are and what to do about it.
-    is_real
-        Whether the numbers are right all the same, and only no resistance follows from them.
-    """
+    """Rows of a column that are no measurements."""
 
     column: str
-    rows: Rows
-    why: str
-    is_real: bool = False
+    rows: Rows  # (n_times,)
+    why: str  # what they are and what to do about it
+    is_real: bool = False  # the numbers are right all the same, and only no resistance follows from them
 
 
 @dataclass(frozen=True)
 class JudgedReadings:
-    """Which rows of a recording are measurements.
+    """Which rows of a recording are measurements."""
 
-    Parameters
-    ----------
-    usable
-        Whether a row's readings can be used, (n_times,).
-    found
-        The rows that cannot be used, by column and reason.
-    contradiction
-        That two sources of one quantity disagree throughout, so that no row can be trusted; "" if they agree.
-    notes
-        What else is to be known: rows that importing left out, a drive that is none.
-    """
-
-    usable: Rows
-    found: tuple[UnusableRows, ...] = ()
-    contradiction: str = ""
-    notes: tuple[str, ...] = ()
+    usable: Rows  # (n_times,)
+    found: tuple[UnusableRows, ...] = ()  # those that cannot be used, by column and reason
+    contradiction: str = ""  # of two sources of one quantity, so that no row can be trusted
+    notes: tuple[str, ...] = ()  # what else is to be known: rows that importing left out, a drive that is none
 
     @property
     def findings(self) -> tuple[str, ...]:
@@ -127,21 +103,10 @@ class JudgedReadings:
 def judge_readings(
     columns: Columns, metadata: Metadata, used: tuple[str, ...] = (*MEASURED, *MOTION)
 ) -> JudgedReadings:
-    """Return which rows are measurements.
+    """Return which rows are measurements in all of the columns ``used``.
 
-    Parameters
-    ----------
-    columns
-        Name -> values in SI, (n_times,).
-    metadata
-        What is known of the recording. ``shunt_resistance_ohm``; ends of range as ``wire_current_range_a``; the
-        ``chip``, as INA219; ``held_columns``, the names of those that were held on purpose.
-    used
-        The columns in which a row has to be a measurement.
-
-    Returns
-    -------
-    The rows, with what was found.
+    The metadata may state ``shunt_resistance_ohm``, ends of range as ``wire_current_range_a``, the ``chip`` as INA219,
+    and ``held_columns``, the names of those that were held on purpose.
     """
     n_times = next(iter(columns.values())).size
     named = {name: np.zeros(n_times, dtype=np.bool_) for name in used}
@@ -236,11 +201,7 @@ def _stated_ends(name: str, metadata: Metadata) -> Iterator[tuple[float, str]]:
 
 
 def plateaus(columns: Columns, metadata: Metadata) -> Iterator[UnusableRows]:
-    """Yield the rows in which a column stands still at its largest value, for five rows or more, while the rest moves.
-
-    The largest is that of the size: an input range has no end at zero. ``held_columns`` of the metadata names columns
-    that were held on purpose.
-    """
+    """Yield the rows in which a column stands still at its largest size, for five rows or more, while others move."""
     for name in MEASURED:
         if name not in columns or name in _held(metadata):
             continue
@@ -323,10 +284,7 @@ def _min_change(values: FloatArray) -> float:
 
 
 def _goes_on(plateau: _Plateau, values: FloatArray) -> list[bool]:
-    """Return whether another column continues where the plateau begins and ends; all stop if the drive is held.
-
-    Nothing is returned for a side where it moved too little before, for its steps and noise, to show it.
-    """
+    """Return whether another column continues, for each side of the plateau on which it moved enough to show it."""
     rows = min(plateau.cut_rows, max((plateau.last - plateau.first) // HOLD_ROWS, 1))
     least, found = _min_change(values), []
     for edge, inwards in ((plateau.first, 1), (plateau.last - 1, -1)):
@@ -465,10 +423,7 @@ def contradictions(good: Columns, metadata: Metadata) -> Iterator[str]:
 
 
 def drive_doubts(columns: Columns, usable: Rows) -> list[str]:
-    """Return that the drive is not what wire and shunt have together, or not when they have it.
-
-    Such a drive spoils no reading: the voltages that were measured are used.
-    """
+    """Return that the drive is not what wire and shunt have together, or not when; that spoils no reading."""
     if not {"wire_voltage_v", "drive_voltage_v"} <= columns.keys() or not columns["drive_voltage_v"].max() > 0.0:
         return []
     drive_v, doubts = columns["drive_voltage_v"], list[str]()
@@ -508,10 +463,7 @@ def rows_late(drive_v: FloatArray, readings: FloatArray) -> int:
 
 
 def misfit(drive_v: FloatArray, readings: FloatArray, late: int) -> float:
-    """Return which part of a drive voltage and current, so many rows earlier, do not explain; all if half is cut off.
-
-    Of both together: what leads and shunt take follows the current.
-    """
+    """Return which part of a drive voltage and current, so many rows earlier, do not explain; 1 if half is cut off."""
     count = drive_v.size - abs(late)
     one, others = (drive_v[late:], readings[:count]) if late >= 0 else (drive_v[:count], readings[-late:])
     if 2 * count < drive_v.size or one.var() * count <= 0.5 * drive_v.var() * drive_v.size:
@@ -522,10 +474,7 @@ def misfit(drive_v: FloatArray, readings: FloatArray, late: int) -> float:
 
 
 def pulls_as_a_wire(columns: Columns, metadata: Metadata) -> bool:
-    """Return whether the resistance is lower where most was moved, as a wire's is; True if one of the two is unknown.
-
-    Whatever the sign of an instrument, the rows that differ most from the first are those in which the wire pulls.
-    """
+    """Return whether the resistance is lower where most was moved, by either sign; True if one of them is unknown."""
     ohm = columns.get("wire_resistance_ohm")
     current_a = next((values for _, values in _currents(columns, metadata)), None)
     if ohm is None and current_a is not None and "wire_voltage_v" in columns:
