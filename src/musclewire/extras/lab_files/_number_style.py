@@ -56,7 +56,8 @@ class NumberStyle:
     decimal: str = "."
     thousands: str = ""  # all signs that may be between them
     is_open: bool = field(default=False, compare=False)  # no number shows the decimal sign
-    is_grouped: bool = field(default=False, compare=False)  # a comma may as well be between thousands
+    # The style among columns with decimal points, if the commas may as well be between thousands.
+    grouped: NumberStyle | None = field(default=None, compare=False)
 
     def __str__(self) -> str:
         """Return the style in words, "" if it is plain."""
@@ -95,5 +96,10 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
     decimal = "," if commas > 9 * points else "."
     thousands = _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else ""
     is_open = not commas and not any(_POINT.search(cell) for cell in numbers)
-    is_grouped = all(_GROUPS[","].fullmatch(cell) for cell in numbers if "," in cell)
-    return NumberStyle(decimal, thousands, is_open, is_grouped)
+    grouped = None
+    if decimal == "," and all(_GROUPS[","].fullmatch(cell) for cell in numbers if "," in cell):
+        # Thousands begin with no zero, and smaller numbers have no comma; where all have one, nobody knows.
+        small = [cell for cell in numbers if "," not in cell]
+        sure = bool(small) and not any(cell.lstrip("+-").startswith("0,") for cell in numbers)
+        grouped = NumberStyle(".", "," if sure else "")
+    return NumberStyle(decimal, thousands, is_open, grouped)

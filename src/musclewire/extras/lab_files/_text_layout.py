@@ -160,7 +160,7 @@ def _agreeing(styles: Sequence[NumberStyle]) -> tuple[NumberStyle, ...]:
     """Return the styles of columns; one without a sign in its numbers is written as the others are."""
     points = any(style.decimal == "." and not style.is_open for style in styles)
     # Among columns with points a comma is a decimal sign only where it cannot be between thousands.
-    sure = [NumberStyle() if points and style.decimal == "," and style.is_grouped else style for style in styles]
+    sure = [style.grouped if points and style.grouped is not None else style for style in styles]
     commas = [style for style in sure if style.decimal == ","]
     usual = max(commas, key=commas.count) if commas else NumberStyle()
     return tuple(usual if style.is_open else style for style in sure)

@@ -30,6 +30,13 @@ def refusal(path, **options):
     return message.replace(f"{path}: ", "", 1)
 
 
+def test_commas_between_thousands_show_where_smaller_numbers_have_none(file):
+    recording = read_recording(file("time [s]\tForce [mN]\n0.5\t998\n1.0\t1,002\n1.5\t1,250\n"))
+    assert recording["force_n"].tolist() == pytest.approx([0.998, 1.002, 1.25])
+    with pytest.raises(RecordingError, match="'1,000' is not a number"):
+        read_recording(file("time [s]\tForce [mN]\n0.5\t1,000\n1.0\t1,002\n1.5\t1,250\n"))
+
+
 def test_a_comma_between_thousands_is_never_a_decimal_comma(file):
     path = file("time_s;force_n\n0.5;1,234\n1.5;1,235\n")
     assert refusal(path) == "line 2, column 'force_n': '1,234' is not a number; correct it or remove the line"
