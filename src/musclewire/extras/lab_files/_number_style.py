@@ -98,7 +98,7 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
     is_open = not commas and not any(_POINT.search(cell) for cell in numbers)
     grouped = None
     if decimal == "," and all(_GROUPS[","].fullmatch(cell) for cell in numbers if "," in cell):
-        # Thousands begin with no zero, and smaller numbers have no comma; where all have one, nobody knows.
+        # Thousands begin with no zero, and smaller numbers have no comma; where all have one, that is not known.
         small = [cell for cell in numbers if "," not in cell]
         sure = bool(small) and not any(cell.lstrip("+-").startswith("0,") for cell in numbers)
         grouped = NumberStyle(".", "," if sure else "")
