@@ -228,10 +228,7 @@ def loop_of(choice: LoopChoice, loop: ControlledLoopOptions) -> Callable[..., Co
 
 
 def choice_of(loop: ControlledLoopOptions, load: KnownSpring | None) -> LoopChoice:
-    """Return what the options choose for a loop; None for what they leave to the model's gains.
-
-    Raises CallerError for an unknown estimator, and as ``settings_of``.
-    """
+    """Return what the options choose for a loop, None for the model's gains. Raises CallerError as ``settings_of``."""
     from musclewire.experiment import LoopChoice
     from musclewire.sensing import ESTIMATORS
 
@@ -282,10 +279,7 @@ def settings_of(loop: ControlledLoopOptions) -> tuple[str | None, Any]:
 
 
 def known_spring(loaded: SensingModel, path: Path, quantity: str, stiffness: float | None) -> KnownSpring | None:
-    """Return the load whose stiffness is known, None without one.
-
-    Raises CallerError if the model does not sense the quantity, directly or by a stiffness.
-    """
+    """Return the load of known stiffness, None without. Raises CallerError if the model does not sense the quantity."""
     from musclewire.sensing import KnownSpring
     from musclewire.signals import QUANTITIES
 

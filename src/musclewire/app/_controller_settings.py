@@ -12,10 +12,7 @@ if TYPE_CHECKING:
 
 
 def read_settings(path: Path | None, rules: str | None) -> FuzzyPidSettings:
-    """Return the controller's settings from a TOML file, and the rule base that an option names instead.
-
-    Raises CallerError naming file and key.
-    """
+    """Return a TOML file's settings, with the rules that an option names. Raises CallerError naming file and key."""
     from musclewire.controllers import FuzzyPidSettings
     from musclewire.small_files import read_toml
 

@@ -87,11 +87,7 @@ def schema_names() -> tuple[str, ...]:
 
 
 def json_schema(name: str) -> dict[str, Any]:
-    """Return the JSON Schema (2020-12) of a kind of file, or of what a command prints with ``--json``.
-
-    A TOML file is judged as the JSON document that has the same tables. Raises CallerError if there is no schema of the
-    name.
-    """
+    """Return the JSON Schema (2020-12) of a file, or of what a command prints. Raises CallerError if there is none."""
     if name not in schema_names():
         raise CallerError(f"there is no schema '{name}'{nearest_hint(name, schema_names())}")
     command = name.removeprefix(OUTPUT)

@@ -185,10 +185,7 @@ def progress_bar(task: str, total_s: float | None, rig: GuardedRig | None = None
 
 @contextmanager
 def step_bar(unit: str) -> Iterator[OnStage]:
-    """Show a bar over the steps of a search; yields what takes stage, steps done, total steps and best cost so far.
-
-    On a pipe each step is a line.
-    """
+    """Show a bar, or lines on a pipe; yields what takes a search's stage, steps done, total steps and best cost."""
     shown = console()
     if not _Shown.progress:
         yield lambda *_: None
@@ -208,10 +205,7 @@ def step_bar(unit: str) -> Iterator[OnStage]:
 
 @contextmanager
 def run_bar(unit: str) -> Iterator[OnRuns]:
-    """Show a bar over the runs of a study; yields what takes the number of finished ones and of all.
-
-    On a pipe every tenth of the runs is a line.
-    """
+    """Show a bar, on a pipe lines of every tenth run; yields what takes the number of finished runs and of all."""
     shown = console()
     if not _Shown.progress:
         yield lambda _done, _total: None

@@ -29,10 +29,7 @@ class KnownDrivePolicy(Protocol):
     """A policy that does not look at samples, only at their times."""
 
     def known_drive(self, elapsed_s: tuple[float, ...]) -> KnownDrive | None:
-        """Return drives and recorded values, as by ``first_command`` and ``after``; None if not known.
-
-        ``elapsed_s`` are the ends of the samples, counted from the beginning of the run.
-        """
+        """Return drives and recorded values, as by ``first_command`` and ``after``; None if not known."""
         ...
 
 

@@ -414,10 +414,7 @@ def not_written_error(path: Path, problem: OSError) -> RecordingNotWrittenError:
 
 
 class LoopTiming:
-    """Records when each sample arrived and when the next drive was handed over; it reads no clock itself.
-
-    All times are in nanoseconds of one monotonic clock.
-    """
+    """Records when each sample arrived and the next drive was handed over, in ns of a clock that it does not read."""
 
     def __init__(self, sample_period_s: float, paced: bool, clock: SimulationClock | None = None) -> None:
         """Watch a run of this sample period; ``paced`` if a real clock sets its pace, at the speed of ``clock``."""

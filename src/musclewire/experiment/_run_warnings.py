@@ -60,10 +60,7 @@ def step_warnings(recording: Recording) -> tuple[str, ...]:
 
 
 def friction_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return a warning if friction held the connector while the wire became slack; none otherwise.
-
-    Only a simulated rig knows; ``friction_held_m`` is by how much the wire was longer than the connector allows.
-    """
+    """Return a simulated rig's warning if friction held the connector while the wire became slack; none otherwise."""
     held_m = recording.facts.number_or_none("friction_held_m")
     leg_m = recording.facts.leg_length_or_none_m
     if held_m is None or leg_m is None or held_m <= HELD_FRACTION * leg_m:
@@ -86,10 +83,7 @@ def force_limit_n(recording: Recording) -> float | None:
 
 
 def force_warnings(recording: Recording) -> tuple[str, ...]:
-    """Return a warning if the measured force, ``force_n``, exceeds the wire's limit; none otherwise.
-
-    The limit is the recording's ``force_limit_n`` or, without it, the wire's ``maximum_force_n`` [N].
-    """
+    """Return a warning if ``force_n`` exceeds ``force_limit_n`` or else ``maximum_force_n`` [N]; none otherwise."""
     limit = force_limit_n(recording)
     if "force_n" not in recording or limit is None:
         return ()

@@ -160,10 +160,7 @@ def fastest_way(rig: Rig, model: SensingModel, settings: Any, *, from_cold: bool
 def speed_metadata(
     rig: Rig, model: SensingModel, reference: Reference, settings: Any, *, from_cold: bool = False
 ) -> dict[str, str]:
-    """Return the warnings of a reference for a run's metadata, under ``speed_limits``; nothing if it can be followed.
-
-    If model or rig do not state what the limits follow from, it says so instead.
-    """
+    """Return a reference's warnings under ``speed_limits``, or what is not stated; nothing if it can be followed."""
     if isinstance(reference, SteeredReference):
         return {}
     try:

@@ -21,10 +21,7 @@ def extrapolation_warnings(recording: Recording) -> tuple[str, ...]:
 
 
 def reached_in(recording: Recording) -> ReachedConditions:
-    """Return the stresses and the temperature of a run, as far as instruments and metadata show them.
-
-    Stress is the load cell's force over all sections that it reads together, the pretension's without a load cell.
-    """
+    """Return a run's stresses, by load cell over all its sections or else by pretension, and temperature, if shown."""
     section = whole_section_m2(recording.facts)
     temperature = temperature_k(recording)
     if section is None:

@@ -20,39 +20,18 @@ MAX_GAP_PERIODS = 3.0
 
 
 class JoinedRecordings(NamedTuple):
-    """Two recordings on the clock of the first.
+    """Two recordings on the clock of the first."""
 
-    Parameters
-    ----------
-    recording
-        Columns of both, at the times of the first recording that both have.
-    delay_s
-        Time by which the second clock is ahead [s]: what happens at t on the first is at t + delay on the second.
-    delay_std_s
-        Its standard deviation [s]; None for a delay that was given or is that of the clocks.
-    correlation
-        Coefficient of correlation of the shared columns at this delay; None if no column was compared.
-    columns
-        The shared column of the first recording and that of the second.
-    notes
-        How it was done, a sentence each.
-    rate
-        Seconds of the second clock in one of the first: 1, since clocks that drift apart are refused.
-    rate_std
-        Its standard deviation, by the delays of both halves; 0 by default, where these are not known.
-    how
-        In words, where no column was compared; "" by default.
-    """
-
-    recording: Recording
+    recording: Recording  # columns of both, at the times of the first recording that both have
+    # Time by which the second clock is ahead: what happens at t on the first is at t + delay on the second.
     delay_s: float
-    delay_std_s: float | None
-    correlation: float | None
-    columns: tuple[str, ...]
-    notes: tuple[str, ...]
-    rate: float = 1.0
-    rate_std: float = 0.0
-    how: str = ""
+    delay_std_s: float | None  # None for a delay that was given or is that of the clocks
+    correlation: float | None  # coefficient of the shared columns at this delay; None if no column was compared
+    columns: tuple[str, ...]  # the shared column of the first recording and that of the second
+    notes: tuple[str, ...]  # how it was done, a sentence each
+    rate: float = 1.0  # seconds of the second clock in one of the first: 1, since clocks that drift apart are refused
+    rate_std: float = 0.0  # by the delays of both halves; 0 where these are not known
+    how: str = ""  # in words, where no column was compared
 
 
 def join_recordings(
@@ -60,36 +39,12 @@ def join_recordings(
 ) -> JoinedRecordings:
     """Join two recordings of one experiment: by one clock, by a delay that is given, or by a column of both.
 
-    Recordings of one clock, ``on="time_s"``, have no delay but that of their beginnings, as ``start_time`` or
-    ``clock_start_s`` in their metadata state them. Otherwise the delay is that at which the coefficient of correlation
-    of what both recorded is largest; its standard deviation follows from the peak's curvature, the noise that is left,
-    and the sample periods. Clocks whose delay is another one in the second half drift apart and are refused. Columns
-    of the second recording come to the times of the first by means over the first's sample period where the second was
-    sampled faster, and by straight lines where it was slower.
-
-    Parameters
-    ----------
-    first
-        The recording whose clock and rows are kept.
-    second
-        The other one; columns that the first has, too, are left out.
-    on
-        The shared column, or the first's and the second's, such as ``("drive_voltage_v", "wire_voltage_v")``, or
-        "time_s" for one clock. None, the default, takes the only column that both have, or else clocks that count from
-        one moment.
-    delay_s
-        The delay [s] where nothing in the recordings shows it; None by default.
-
-    Returns
-    -------
-    The joined recording, with the delay and its uncertainty.
-
-    Raises
-    ------
-    CallerError
-        If ``on`` has to be given, or names a column that a recording lacks.
-    RecordingError
-        If the correlation does not determine the delay, or the clocks drift apart.
+    Recordings of one clock, ``on="time_s"``, have no delay but that of their beginnings, as their metadata state them.
+    Otherwise the delay is that at which the correlation of a column of each, ``on``, by default the only shared one, is
+    largest; its deviation follows from the peak's curvature, the noise left and the sample periods. Clocks that drift
+    apart are refused. The second's columns come to the first's times by means where it was sampled faster, else by
+    straight lines. Raises CallerError if ``on`` has to be given, or names a column that a recording lacks. Raises
+    RecordingError if the correlation does not determine the delay, or the clocks drift apart.
     """
     if delay_s is not None:
         return _by_delay(first, second, delay_s, "as given")

@@ -49,10 +49,7 @@ def check_wire_file(wire_file: str | Path | None, estimator: Any) -> None:
 
 
 def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> float:
-    """Return the amount of the model's quantity, in its SI unit, that the controller treats as one percent strain.
-
-    With a known spring with friction the range to be passed is larger.
-    """
+    """Return what of the model's quantity counts as one percent strain: more on a known spring with friction."""
     if model.quantity == "strain":
         return PERCENT_STRAIN
     steep = 0.0 if load is None else FRICTION_AS_RANGE * load.friction_n
@@ -146,10 +143,7 @@ def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
 
 
 def known_against(model: SensingModel, known: Mapping[str, MetadataValue]) -> dict[str, str]:
-    """Return what is known against a closed loop before it begins, by its name in the recording.
-
-    ``other_load``, if the rig states another load than the model's, and ``model_does_not_hold``, if the fit said so.
-    """
+    """Return what is known against a loop: ``other_load`` of the rig, and ``model_does_not_hold`` by the fit."""
     bad_fit = "" if model.holds else f"the model does not hold: {model.does_not_hold}"
     reasons = {"other_load": other_load(model, known), "model_does_not_hold": bad_fit}
     return {name: reason for name, reason in reasons.items() if reason}

@@ -60,10 +60,7 @@ class StatedCircuit(NamedTuple):
 
 
 def refuse_beyond_catalogue(circuit: StatedCircuit, limits: Mapping[str, float], where: str = "") -> None:
-    """Raise CallerError for a number that no wire of the catalogue has or survives.
-
-    ``limits`` are those that are stated, by their names in ``ProtectionLimits``.
-    """
+    """Raise CallerError for a number that no wire of the catalogue has or survives; ``limits`` are the stated ones."""
     given = {**circuit.stated, **limits}
     for name, (low, high, unit, why) in ranges_of(circuit).items():
         value = given.get(name)

@@ -256,10 +256,7 @@ def rig_names() -> list[str]:
 
 
 def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConfiguration, str]:
-    """Return the configuration of a simulated rig, for experiments that change the load of its wire.
-
-    Raises CallerError for a rig that is not simulated.
-    """
+    """Return a simulated rig's configuration and its name in messages. Raises CallerError for another rig."""
     configuration, where = rig_configuration(rig)
     if not isinstance(configuration, RigConfiguration):
         raise CallerError(f"{where} is not simulated: this experiment changes what the wire pulls, on a simulated rig")
@@ -269,10 +266,7 @@ def simulated_configuration(rig: str | Path | RigConfiguration) -> tuple[RigConf
 def rig_configuration(
     rig: str | Path | DeviceConfiguration, *, may_import: bool = False
 ) -> tuple[DeviceConfiguration, str]:
-    """Return a rig's configuration and its name in messages, from a name, the path of a rig file, or a configuration.
-
-    Raises CallerError for an unknown name, a missing file and an invalid file.
-    """
+    """Return a rig's configuration and its name in messages. Raises CallerError for unknown names and wrong files."""
     if not isinstance(rig, DeviceConfiguration | str | Path):
         raise CallerError(
             f"a rig is given by its name, the path of a rig file or a configuration, not by {an_object(rig)}: a device "
@@ -302,10 +296,7 @@ def require_rig(rig: str) -> None:
 
 
 def with_settings(wire: Wire, bench: Bench, settings: Mapping[str, float | str], where: str) -> tuple[Wire, Bench]:
-    """Return wire and bench with some numbers set by the user, in SI or as text with a unit ("1.7 N").
-
-    Raises CallerError for a name that neither has, suggesting the nearest.
-    """
+    """Return wire and bench with numbers of the user, SI or text ("1.7 N"). Raises CallerError for unknown names."""
     return with_numbers(wire, bench, settings, settings.__getitem__, where)
 
 

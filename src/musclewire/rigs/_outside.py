@@ -86,10 +86,7 @@ def imported_module(name: str, folder: Path) -> ModuleType:
 
 
 def module_in(name: str, file: Path) -> ModuleType:
-    """Return the module of a file, under its name among the imported ones, unless it fails.
-
-    It may import what lies next to it, as a script may; installed modules come first.
-    """
+    """Return a file's module; it may import what lies next to it, as a script may, but installed modules come first."""
     place = spec_from_file_location(name, file)
     assert place is not None
     assert place.loader is not None
@@ -107,10 +104,7 @@ def module_in(name: str, file: Path) -> ModuleType:
 
 
 def schema_of(plant: Any, kind: str) -> type[DeviceConfiguration]:
-    """Return the schema of a plant's rig files: its class's ``configuration``, otherwise the keys of every real rig.
-
-    Raises CallerError for something else than a class with a device's methods and a schema.
-    """
+    """Return a plant's schema: its ``configuration`` or a real rig's keys. Raises CallerError for what is no device."""
     if not isinstance(plant, type):
         raise CallerError(f"kind '{kind}' names a {type(plant).__name__}: it must be a class")
     missing = [name for name in DEVICE_METHODS if not callable(getattr(plant, name, None))]

@@ -141,10 +141,7 @@ def held_temperature_k(hot: HotWire, drive_voltage_v: float) -> float:
 
 
 def voltages_on_circuit(own: OwnVoltages, hot: HotWire) -> tuple[float, float]:
-    """Return a wire's amplitude and highest voltage [V] on its circuit; on its own they are its own.
-
-    Only an amplitude that would hold the wire above 140 C is lowered to what holds it there.
-    """
+    """Return amplitude and highest voltage [V] on a circuit; an amplitude that would hold above 140 C is lowered."""
     at_home = hot._replace(
         diameter_m=own.diameter_m,
         wire_length_m=own.wire_length_m,

@@ -18,10 +18,7 @@ MIN_SLACK_NS = 1
 
 
 def wake_on_time() -> None:
-    """Make timers of this thread fire when they are due and not up to 50 us later, on Linux; needs no permission.
-
-    Linux delays timers of ordinary threads in order to serve several at once (prctl(2), PR_SET_TIMERSLACK).
-    """
+    """Make this thread's timers fire on time and not up to 50 us later, on Linux (prctl(2), PR_SET_TIMERSLACK)."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_TIMERSLACK, MIN_SLACK_NS, 0, 0, 0)
 

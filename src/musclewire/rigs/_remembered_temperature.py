@@ -123,10 +123,7 @@ class KeptFile:
             return self._name
 
     def read(self) -> str | None:
-        """Return the text, None without a file; remove parts of files that were left when a process was killed.
-
-        Raises OSError or ValueError for a file that cannot be read.
-        """
+        """Return the text, None without a file; remove what a killed process left. Raises OSError or ValueError."""
         try:
             path = self.path()
             with suppress(OSError):
@@ -144,10 +141,7 @@ class KeptFile:
 
 
 def state_folder(environment: Mapping[str, str] = os.environ, system: str = sys.platform) -> Path:
-    """Return the folder of what is kept for this user from one process to the next.
-
-    Raises FileNotFoundError for a user without a home folder.
-    """
+    """Return this user's folder of what outlives a process. Raises FileNotFoundError without a home folder."""
     if given := environment.get(STATE_HOME):
         return Path(given).absolute()
     try:
@@ -308,10 +302,7 @@ def in_one_line(problem: Exception) -> str:
 
 
 class RememberedTemperature:
-    """How warm a device's wire counts at opening, and the place where its temperature is kept from then on.
-
-    Without an identity nothing is kept, and the wire is as warm as it is stated.
-    """
+    """How warm a wire counts at opening, kept from then on; without an identity it is as warm as stated."""
 
     def __init__(
         self,

@@ -86,10 +86,7 @@ class ReplayDevice:
     """
 
     def __init__(self, configuration: ReplayConfiguration) -> None:
-        """Read the recording and the limits of the rig it was taken on.
-
-        Raises RecordingError if it cannot be read or lacks facts of its rig.
-        """
+        """Read the recording and its rig's limits. Raises RecordingError if either cannot be read."""
         self._configuration = configuration
         self._path = Path(configuration.recording)
         recording = recording_with_errors(self._path)
@@ -258,10 +255,7 @@ def recorded_facts(recording: Recording, given: ReplayConfiguration) -> Metadata
 
 
 def samples_of(recording: Recording, path: Path, shunt_resistance_ohm: float) -> list[RawSample]:
-    """Return the rows of a recording as samples, to the bit; an instrument's NaN is no reading of it.
-
-    Raises RecordingError if time, drive or a voltage is missing.
-    """
+    """Return rows as samples, NaN as no reading. Raises RecordingError if time, drive or a voltage is missing."""
     for name in ("time_s", "drive_voltage_v", "wire_voltage_v"):
         if name not in recording:
             raise RecordingError(f"{path} has no column '{name}': a replay needs time, drive and both voltages")

@@ -538,10 +538,7 @@ class FilterEstimator(CurveEstimator):
 def filter_numbers(
     model: FittedCurve, shunt_resistance_ohm: float, method: FilterNumbers = FILTER
 ) -> tuple[dict[str, float], FloatArray]:
-    """Return wire's and method's numbers by name, also as the tick's literals, and the tables.
-
-    The tick's row is made from them, and the header of its form in C.
-    """
+    """Return wire's and method's numbers by name, for the tick's row and the header of its form in C, and tables."""
     wire = wire_model_of(model)
     literals = {
         "min_variance": MIN_VARIANCE,

@@ -30,11 +30,7 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
 def signed_hysteresis_gap(
     heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None
 ) -> float:
-    """Return the mean of heating minus cooling at equal resistance, as a fraction of the maximal quantity.
-
-    Arguments and errors as of :func:`hysteresis_gap`. Where the two differ in size the branches cross. It raises the
-    same.
-    """
+    """Return the mean of heating minus cooling, otherwise as :func:`hysteresis_gap`; if they differ, branches cross."""
     differences, largest = _differences(heating, cooling, points, maximum)
     return float(np.mean(differences)) / largest
 

@@ -47,8 +47,7 @@ SPANS = {"strain": "a stroke", "displacement": "a stroke", "force": "a change"}
 class LoopSegments:
     """Points A, B, C of one loop, as indices into the recording, and its branches from B to C.
 
-    On heating the wire passes A (coldest), B (most resistance) and C (least resistance) in this order, on cooling C, B,
-    A. B is found by :func:`musclewire.sensing._resistance_maximum.resistance_maximum`.
+    A is coldest, B has the most resistance and C the least; heating passes A, B, C and cooling C, B, A.
     """
 
     heating_a: int  # that of B if the loop does not return to cold; B is then where it turns

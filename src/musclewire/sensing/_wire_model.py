@@ -232,10 +232,7 @@ def halves_of(model: FittedCurve, rows: Rows, known: HeatBalanceFound) -> tuple[
 
 
 def per_watt(heating: Half) -> float:
-    """Return by how much the cold wire's normalised resistance rises with the power that warms it [1/W].
-
-    It is 0 where the loop shows no cold wire: its resistance is highest where it begins.
-    """
+    """Return how a cold wire's normalised resistance rises with its power [1/W]; 0 if the loop shows no cold wire."""
     b = int(np.argmax(heating.resistance))
     warmed_w = heating.power_w[: b + 1] - heating.power_w[0]
     some = int(np.searchsorted(np.maximum.accumulate(warmed_w), COLD_PART * warmed_w[-1]))

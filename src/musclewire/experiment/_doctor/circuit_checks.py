@@ -23,10 +23,7 @@ NAMED_WITHIN = 0.12
 
 
 def output_at_zero(seen: Examined) -> Outcome | None:
-    """Check that the output is off at 0 V: a stuck output heats whatever the software commands.
-
-    Of readings too few for more, only a stuck output is a finding.
-    """
+    """Check that the output is off at 0 V: a stuck one heats, and is the only finding of too few readings."""
     volts, sense_v = seen.at_zero_v, seen.rig.sense_voltage_v
     if seen.has_fits:
         return Outcome(abs(volts) <= OUTPUT_OFFSET_FRACTION * sense_v, volts)

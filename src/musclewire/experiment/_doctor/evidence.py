@@ -170,10 +170,7 @@ class Outcome(NamedTuple):
 
 
 class Examined:
-    """What checks look at: what a rig states, and its levels so far; what several need is worked out once.
-
-    Fits are those of the levels below the sense voltage: two or more, all finite.
-    """
+    """What checks look at, worked out once; fits are of the levels below the sense voltage, two or more, all finite."""
 
     def __init__(self, rig: Rig, probe: VoltageProbe) -> None:
         """Read what the rig states of its wire; None for what it does not state."""

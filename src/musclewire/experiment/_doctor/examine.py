@@ -128,10 +128,7 @@ class Examination(NamedTuple):
         return self.trouble is None and not self.findings.failed
 
     def write_calibration(self, path: Path) -> Path:
-        """Write offsets and gains into a rig file, and return its path.
-
-        Raises the rig's own fault, and CallerError if the wiring is wrong in a way that no calibration corrects.
-        """
+        """Write offsets and gains into a rig file. Raises the rig's own fault, or CallerError for wrong wiring."""
         blocking = sorted(self.findings.failed & STOPPING - {"wire_resistance_ohm", "output_gain"})
         if self.trouble is not None:
             raise self.trouble

@@ -314,11 +314,7 @@ class FastestWay:
         self._power_w = self._heating.power_w(self._level)
 
     def miss(self, target: float) -> float:
-        """Return by how much the wire is at best above a target at the end of a sample that began with it.
-
-        A cold wire misses all of its target, and one that this voltage takes no farther nothing: that is no matter of
-        time, and no speed limit.
-        """
+        """Return how far the wire is at best above a target after a sample; 0 if the voltage takes it no farther."""
         within = float(np.clip(target, self._plant.levels[0], self._plant.levels[-1]))
         if self._cold_s > 0.0:
             self._cold_s -= self._period_s

@@ -48,10 +48,7 @@ class WeakSupply(NamedTuple):
 
 
 def warming_s(plant: SpeedPlant, dead_time_s: float) -> float:
-    """Return the time [s] in which a cold wire comes to its lowest level at the maximum voltage; infinite if never.
-
-    ``dead_time_s`` passes until a command shows.
-    """
+    """Return the time [s] in which a cold wire comes to its lowest level at the maximum voltage; infinite if never."""
     cold_w, lowest_w, drive_w = plant.lowest_power_w[0], plant.heating_power_w[0], plant.highest_power_w[0]
     if drive_w <= lowest_w:
         return math.inf
