@@ -46,10 +46,7 @@ _TWO_NUMBERS = re.compile(r"(\d{1,3}):\d{2}")
 
 
 def written_clock(unit: str | None, cells: Sequence[str] = ()) -> str | None:
-    """Return how times are written by the unit in their header or by themselves; None if two numbers may be either.
-
-    "" for times that state their seconds.
-    """
+    """Return how times are written, "" if they state their seconds; None if two numbers may be of either form."""
     if unit is not None and unit.lower() in _FORMS:
         return _FORMS[unit.lower()]
     found = [_TWO_NUMBERS.fullmatch(cell.strip()) for cell in cells]
@@ -88,11 +85,7 @@ def _match(cell: str) -> re.Match[str] | None:
 
 
 class ClockTexts:
-    """Turns times as text into seconds since the first of them, block after block.
-
-    A time of day that falls by more than twelve hours has passed midnight. The order of day and month (1/2: first of
-    February or second of January) is that in which the clock of the first rows rises.
-    """
+    """Turns times as text into seconds since the first of them, block after block, over any number of midnights."""
 
     def __init__(self, where: str, form: str = "") -> None:
         """Remember how messages begin, and how a time of two numbers is written: one of WRITTEN_CLOCKS, or ""."""
@@ -208,10 +201,7 @@ def _zone_us(zone: str | None) -> int:
 
 
 def _day_first(cells: Sequence[str]) -> tuple[bool, bool]:
-    """Return whether the day comes before the month, and whether it might as well be the other way round.
-
-    The order is that in which all dates are possible and rise least. Where days have two halves, the month comes first.
-    """
+    """Return whether the day comes before the month, by which all dates are possible and rise least, or either may."""
     totals: dict[bool, int] = {}
     for day_first in (True, False):
         times = [_moment(cell, day_first) for cell in cells]
@@ -220,6 +210,6 @@ def _day_first(cells: Sequence[str]) -> tuple[bool, bool]:
             totals[day_first] = int(np.abs(steps).sum()) if steps.size else 0
     if len(set(totals.values())) < len(totals):
         match = _match(cells[0])
-        parts = {} if match is None else match.groupdict()
+        parts = {} if match is None else match.groupdict()  # where days have two halves, the month comes first
         return not parts.get("half"), not parts.get("half") and parts.get("sign") in ("/", "-")
     return (min(totals, key=lambda day_first: totals[day_first]) if totals else True), False

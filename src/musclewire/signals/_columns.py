@@ -205,10 +205,7 @@ def key_of_header(text: str) -> str:
 
 
 def columns_called(header_name: str) -> tuple[Column, ...]:
-    """Return the columns that a name of another program (without its unit) may mean, the likeliest first.
-
-    A name can mean several ("T" is a time or a temperature); its unit then decides.
-    """
+    """Return the columns that a name without its unit may mean, the likeliest first: "T" is a time or a temperature."""
     return _synonyms().get(key_of_header(header_name), ())
 
 

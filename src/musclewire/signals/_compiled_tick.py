@@ -46,10 +46,8 @@ class CompiledTick(NamedTuple):
 
 
 def declared_tick(implementation: Any, *arguments: Any) -> CompiledTick | None:
-    """Return the compiled tick that an estimator or a controller declares in its own class; None without one.
-
-    An inherited declaration does not count: a class that changes the step of another one would run by the other's tick.
-    """
+    """Return the compiled tick that an estimator or a controller declares in its own class; None without one."""
+    # Not an inherited one: a class that changes the step of another would run by the other's tick.
     if "compiled_tick" not in vars(type(implementation)):
         return None
     tick: CompiledTick | None = implementation.compiled_tick(*arguments)

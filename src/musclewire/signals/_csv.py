@@ -18,10 +18,7 @@ from musclewire.signals._source_table import SourceColumn, TableInMemory
 
 
 def read_plain_csv(path: Path) -> TableInMemory:
-    """Return the table of a CSV file: comments "# key = value", a line of names, rows of numbers; a blank is missing.
-
-    Raises RecordingError with the line for anything else.
-    """
+    """Return the table of a CSV file: comments "# key = value", names, numbers. Raises RecordingError for others."""
     try:
         lines = path.read_text("utf-8-sig").splitlines()
     except (OSError, UnicodeError) as problem:

@@ -44,17 +44,7 @@ Command = Drive | Target
 
 
 def as_command(command: Command | float) -> Command:
-    """Return a command; a bare number is a drive voltage in volts.
-
-    Parameters
-    ----------
-    command
-        A command, or a drive voltage [V], as scripts write it: ``rig.exchange(1.5)``.
-
-    Returns
-    -------
-    The command itself, or the number as a :class:`Drive`.
-    """
+    """Return a command; a bare number, as of ``rig.exchange(1.5)``, is a drive voltage [V]."""
     return command if isinstance(command, (Drive, Target)) else Drive(command)
 
 

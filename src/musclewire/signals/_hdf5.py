@@ -22,7 +22,7 @@ from musclewire.signals._whole_files import write_whole
 
 FORMAT = "musclewire-recording"
 FORMAT_VERSION = 1
-_CHUNK_ROWS = 16_384
+_CHUNK_ROWS = 16_384  # 128 KiB of a column, which are read and written at once: little memory, and few accesses
 
 
 def fill_hdf5(columns: Mapping[str, FloatArray], metadata: Mapping[str, MetadataValue], path: Path) -> None:
@@ -66,10 +66,7 @@ def _describe(file: Any, names: Sequence[str], rows: int, metadata: Mapping[str,
 
 
 def describe_recording(path: str | Path, metadata: Mapping[str, MetadataValue]) -> None:
-    """Add metadata to a finished recording, as an analysis found them. Raises CallerError if that fails.
-
-    A copy takes the place of the file in one step, so that a kill or a full disk leaves the old one.
-    """
+    """Add metadata to a finished recording in one step, as an analysis found them. Raises CallerError if that fails."""
     added = checked_metadata(metadata)
 
     def write(part: Path) -> None:
@@ -81,10 +78,7 @@ def describe_recording(path: str | Path, metadata: Mapping[str, MetadataValue]) 
 
 
 class _QuietFile(io.FileIO):
-    """A file whose errors are kept until it is closed: HDF5 never sees them.
-
-    HDF5 prints pages about a full disk to stderr, and may crash the process when it closes a file it could not write.
-    """
+    """A file that keeps its errors until it is closed: HDF5 prints pages about a full disk, and may crash then."""
 
     problem: OSError | None = None
 

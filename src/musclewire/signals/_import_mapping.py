@@ -38,18 +38,10 @@ _KEYS = ("format", "version", "sample_period", "ignore", "group", *_SWITCHES, "c
 
 
 class CurableError(RecordingError):
-    """A file cannot be read as it is, and ``cure`` is what would read it, or the next step to it; None if unknown.
-
-    Parameters
-    ----------
-    message
-        What is wrong.
-    cure
-        What to add to the mapping.
-    """
+    """A file cannot be read as it is, and ``cure`` is what would read it, or the next step to it; None if unknown."""
 
     def __init__(self, message: str, cure: ImportMapping | None = None) -> None:
-        """Keep the cure."""
+        """Keep what is to be added to the mapping."""
         super().__init__(message)
         self.cure = cure
 
@@ -153,22 +145,7 @@ class ImportMapping:
 
 
 def load_mapping(path: str | Path) -> ImportMapping:
-    """Return a mapping file.
-
-    Parameters
-    ----------
-    path
-        The TOML file, from ``musclewire import --save-mapping`` or written by hand.
-
-    Returns
-    -------
-    The mapping; columns it does not name are left out.
-
-    Raises
-    ------
-    CallerError
-        If the file cannot be read, or has an unknown key (the nearest is named) or a value of the wrong kind.
-    """
+    """Return a mapping file. Raises CallerError if it cannot be read, or has an unknown key or a value of no use."""
     where = f"mapping {path}"
     data = read_toml(Path(path), "mapping", "; " + argument("save_mapping") + " writes one")
     for key in data:

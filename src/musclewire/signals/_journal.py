@@ -23,11 +23,14 @@ from musclewire.signals._columns import COLUMNS, declare_column
 from musclewire.signals._metadata import MetadataValue
 
 JOURNAL_SUFFIX = ".journal"
-FORMAT, FORMAT_VERSION = "musclewire-journal", 1
+FORMAT = "musclewire-journal"
+FORMAT_VERSION = 1
 ADVICE = "These are the rows of a run that goes on or was cut off. 'musclewire recover FILE' makes plain HDF5 of them."
 # The head of a record: its kind, the number of bytes that follow, and their CRC-32, begun with the CRC-32 of the kind.
 HEAD = struct.Struct("<BII")
-START, ROWS, END = 1, 2, 3
+START = 1  # kind of the first record: columns, units and metadata
+ROWS = 2  # of those between them: blocks of rows
+END = 3  # of the last: how the run ended
 # A torn record loses no more than this; and no number of bytes leaves 32 bits.
 BLOCK_BYTES = 1 << 14
 
@@ -85,17 +88,13 @@ def _checksum(kind: int, body: bytes | memoryview) -> int:
 
 @dataclass(frozen=True)
 class JournalContents:
-    """What a journal holds.
-
-    ``values`` are the complete rows, (n_times, n_columns); ``ended`` is "" if it does not say;
-    ``damaged_bytes`` after the last row are more than a record that was being written.
-    """
+    """What a journal holds."""
 
     columns: tuple[str, ...]
-    values: FloatArray
+    values: FloatArray  # of the complete rows, (n_times, n_columns)
     metadata: Mapping[str, MetadataValue]
-    ended: str
-    damaged_bytes: int
+    ended: str  # "" if it does not say
+    damaged_bytes: int  # after the last row, beyond a record that was being written
 
 
 def parsed_journal(data: bytes, path: Path) -> JournalContents:

@@ -15,13 +15,13 @@ from musclewire.signals._units import is_unit, scale_between
 _NAMES = frozenset({"source", "src", "name", "channel", "sensor", "variable", "signal", "quantity", "series", "key"})
 _VALUES = frozenset({"value", "reading", "val", "wert", "measurement"})
 _UNITS = frozenset({"unit", "units", "einheit"})
-_MAX_SERIES = 64
+_MAX_SERIES = 64  # names in a table: no bench has as many channels, and more are texts of another kind
 
 
 def spread_series(table: SourceTable) -> SourceTable:
-    """Return a long table with a column for each name, at the times of the series that was measured least often.
+    """Return a long table with a column for each name, any other as it is.
 
-    Series of other times come to these by straight lines. Any other table is returned as it is.
+    Rows are those of the series that was measured least often; the others come to its times by straight lines.
     """
     keys = [key_of_header(column.header) for column in table.columns]
     names, values = ([i for i, key in enumerate(keys) if key in known] for known in (_NAMES, _VALUES))

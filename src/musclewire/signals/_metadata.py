@@ -72,7 +72,6 @@ def value_to_text(key: str, value: MetadataValue) -> str:
 def entry_from_text(key_text: str, value_text: str) -> tuple[str, MetadataValue] | None:
     """Return the entry of a comment line ``key = value``; None if the key is not a valid name.
 
-    A quantity is converted to SI and its unit moves into the name:
     ``shunt_resistance = 1.0 ohm`` becomes ``("shunt_resistance_ohm", 1.0)``.
     """
     key, unit = _key_and_unit(key_text)
@@ -136,19 +135,7 @@ FACT_UNITS = (
 
 
 def fact_in_words(name: str, value: MetadataValue) -> tuple[str, str]:
-    """Return a fact as name and text, with the unit that its name ends in.
-
-    Parameters
-    ----------
-    name
-        The key of the metadata.
-    value
-        Its value in SI.
-
-    Returns
-    -------
-    The name in words and the value with its unit; lengths in mm.
-    """
+    """Return a fact, in SI, as its name in words and its value with the unit that the name ends in; lengths in mm."""
     if isinstance(value, (str, bool)) or value is None:
         return name.replace("_", " "), str(value)
     for ending, factor, unit in FACT_UNITS:

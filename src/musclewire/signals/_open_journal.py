@@ -28,7 +28,7 @@ from musclewire.signals._writing import write_columns
 TAKEN_EVERY_S = 0.02
 # A power cut costs no more [s] than this and what one fsync takes. Once a second is what an SD card bears.
 SYNCED_EVERY_S = 1.0
-MAX_CLOSING_S = 60.0
+MAX_CLOSING_S = 60.0  # a busy disk needs seconds for the rest; one that takes no more must not hold up the run's end
 
 
 def refuse_unfinished(path: str | Path, overwrite: bool) -> None:
@@ -46,11 +46,7 @@ def refuse_unfinished(path: str | Path, overwrite: bool) -> None:
 
 
 class OpenJournal:
-    """The journal of a run, locked as long as this process lives.
-
-    ``values`` are the rows, one after the other, to which the run adds. ``failure`` is the error of a disk that takes
-    no more, None while all is well.
-    """
+    """The journal of a run, locked as long as this process lives."""
 
     def __init__(
         self,
@@ -60,17 +56,14 @@ class OpenJournal:
         overwrite: bool = False,
         in_background: bool = False,
     ) -> None:
-        """Create the file, on disk with its name; with ``in_background`` a thread takes the rows to it.
-
-        Raises CallerError if it cannot be created, or would replace one unasked.
-        """
+        """Create the file, to which a thread may take rows. Raises CallerError if it cannot, or would replace one."""
         # What the end writes with is loaded before the wire is heated: nothing is slower on a machine that has no time.
         import h5py  # noqa: F401
 
         refuse_unfinished(path, overwrite)
         self.path, self.journal = Path(path), journal_of(path)
-        self.values = array("d")
-        self.failure: OSError | None = None
+        self.values = array("d")  # the rows, one after the other, to which the run adds
+        self.failure: OSError | None = None  # of a disk that takes no more
         self._columns, self._metadata = tuple(columns), checked_metadata(metadata)
         # Bytes of whole records in the file, and rows in them: changed together, in one statement.
         self._written = (0, 0)
@@ -128,10 +121,7 @@ class OpenJournal:
             os.close(self._descriptor)
 
     def leave(self, ended: str) -> int:
-        """Leave the journal as the recording after ``close`` failed, with its end if the disk still takes that.
-
-        Return how many rows are in it, 0 if that cannot be known; nothing is raised.
-        """
+        """Leave the journal as the recording after ``close`` failed; return its rows, 0 if not known. Never raises."""
         if self._whole:
             return self.rows_written
         if not self._ending.is_set():
@@ -191,10 +181,8 @@ def write_all(descriptor: int, data: bytes) -> None:
 
 
 def _leave_the_loops_core() -> None:
-    """Let this thread run on any core, even if the loop is pinned to one, which an fsync keeps busy for a while.
-
-    It keeps the loop's priority: the loop would wait for an interpreter lock that a thread of lower priority holds.
-    """
+    """Let this thread run on any core, even if the loop is pinned to one, which an fsync keeps busy for a while."""
+    # At the loop's priority: it would wait for an interpreter lock that a thread of lower priority holds.
     if sys.platform == "linux":
         os.sched_setaffinity(0, range(os.cpu_count() or 1))
 

@@ -16,30 +16,10 @@ COLUMN_SUFFIX = {"strain": "strain", "displacement": "displacement_m", "force": 
 
 
 def reference_quantity(recording: Recording, quantity: str = "strain") -> FloatArray | None:
-    """Return the measured strain, displacement [m] or contraction force [N] of a recording.
+    """Return the measured strain, displacement [m] or contraction force [N], (n_times,); None without its instrument.
 
-    Displacement is that of a finger's endpoint if it was measured, else that of the wire's connector.
-    Contraction force is F = F_T - F_p, with F_p the recording's pretension or, without one, the smallest force in it.
-
-    Parameters
-    ----------
-    recording
-        A recording of a rig with reference instruments.
-    quantity
-        "strain", "displacement" or "force".
-
-    Returns
-    -------
-    The quantity, (n_times,); None if the recording lacks the instrument for it.
-
-    Raises
-    ------
-    CallerError
-        For an unknown quantity.
-
-    References
-    ----------
-    Lan and Fan 2010, Eq. 8.
+    Displacement is that of a finger's endpoint if it was measured, else that of the wire's connector. Contraction force
+    is F = F_T - F_p (Lan and Fan 2010, Eq. 8), with F_p the recording's pretension or else the smallest force in it.
     """
     if quantity not in QUANTITIES:
         raise CallerError(f"there is no quantity '{quantity}'{nearest_hint(quantity, QUANTITIES)}")

@@ -37,10 +37,12 @@ if TYPE_CHECKING:
 
 Answer = TypeVar("Answer")
 Known = TypeVar("Known", bound="Recording")
-# Rows later than this [s] are no part of the cycles or of the loop: the minor loop after the cycles, or how the wire
-# cooled after the loop. Where cycles are numbered these rows have none: those of a recording that was put together,
-# with the metadata of its first part, have.
-MINOR_LOOP_FROM, COOLING_FROM, NO_CYCLE = "minor_loop_from_s", "cooling_from_s", 0.0
+# The metadata that state from when on [s] rows are no part of the run before them:
+MINOR_LOOP_FROM = "minor_loop_from_s"  # the minor loop after the cycles,
+COOLING_FROM = "cooling_from_s"  # or how the wire cooled after the loop
+# The number of their cycle, where cycles are numbered; later rows of a recording that was put together, with the
+# metadata of its first part, have another.
+NO_CYCLE = 0.0
 # The facts of a run that a person reads first, in this order; .metadata has all.
 READ_FIRST = (
     "experiment",

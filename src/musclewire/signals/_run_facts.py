@@ -18,15 +18,11 @@ from musclewire.signals._metadata import MetadataValue
 
 @dataclass(frozen=True)
 class NumberFact:
-    """A number that a run states under the name of the attribute; reading it raises RecordingError if it is missing.
+    """A number that a run states under the name of the attribute; reading it raises RecordingError if it is missing."""
 
-    ``what`` is its name in words; ``option`` is the command-line option that gives it, if there is one; ``may_be_zero``
-    is False for a number that appears in a denominator.
-    """
-
-    what: str
-    option: str = ""
-    may_be_zero: bool = False
+    what: str  # its name in words
+    option: str = ""  # of the command line that gives it
+    may_be_zero: bool = False  # one that appears in a denominator may not
 
     def __set_name__(self, owner: type, name: str) -> None:
         """Take the attribute's name as the metadata key."""
@@ -50,21 +46,13 @@ class NumberFact:
 
 @dataclass(frozen=True)
 class RunFacts:
-    """The facts of one run, as its recording states them.
+    """The facts of one run; an attribute raises RecordingError if what the recording states of it is nothing or wrong.
 
-    Nothing is required until it is read: each attribute raises RecordingError if the recording does not state the fact
-    or states an impossible one. What may be absent has a method or attribute whose name says so.
-
-    Parameters
-    ----------
-    stated
-        The metadata of the recording.
-    whose
-        What messages call the recording.
+    What may be absent has a method or attribute whose name says so.
     """
 
     stated: Mapping[str, MetadataValue]
-    whose: str = "this recording"
+    whose: str = "this recording"  # in messages
 
     sample_period_s = NumberFact("time between two samples")
     shunt_resistance_ohm = NumberFact("resistance of the shunt", "--shunt")

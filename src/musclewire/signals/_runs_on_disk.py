@@ -21,14 +21,12 @@ from musclewire.signals._open_journal import replace_journal
 from musclewire.signals._recording import Recording
 from musclewire.signals._writing import write_columns
 
-RUNNING, CUT_OFF = "running", "cut off"
+RUNNING = "running"  # what ``ended`` of the metadata says of an unfinished run whose process lives,
+CUT_OFF = "cut off"  # and of any other
 
 
 def read_run(path: Path) -> tuple[dict[str, FloatArray], dict[str, MetadataValue]]:
-    """Return columns and metadata of a run; an unfinished one has ``ended`` "running" or "cut off".
-
-    Raises RecordingError if the file is missing, damaged, or not a musclewire recording.
-    """
+    """Return columns and metadata of a run, finished or not. Raises RecordingError if it is missing or damaged."""
     if is_journal(path):
         return read_journal(path)
     if unfinished(path):

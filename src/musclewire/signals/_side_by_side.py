@@ -23,10 +23,9 @@ _DRIVING = ("wire_temperature_k", "wire_current_a", "drive_voltage_v", "wire_vol
 
 
 def stacked_branches(table: SourceTable) -> SourceTable:
-    """Return a table with the rows of heating first and those of cooling after them, if its columns are such branches.
+    """Return a table whose columns are two branches with the rows of heating first, those of cooling after them.
 
-    Each branch must have a column of its heating, a temperature, a current or a voltage, which orders its rows: rising
-    in heating, falling in cooling. Any other table is returned as it is.
+    A temperature, current or voltage of each orders its rows. Any other table is returned as it is.
     """
     branches = [_columns_of(pattern, table.columns) for _, pattern in _BRANCHES]
     names = [name for name in branches[0] if name in branches[1]]

@@ -41,36 +41,16 @@ Cells = FloatArray | list[str]
 
 
 class RowBlock(NamedTuple):
-    """Some consecutive rows of a table.
+    """Some consecutive rows of a table."""
 
-    Parameters
-    ----------
-    values
-        The cells of each column that was asked for, in this order, all of the same length.
-    place
-        Where a row is in the file, in words ("line 12"), by its number in this block from 0.
-    row_count
-        How many rows the block has, for who asks for no column; 0 by default, of a reader that does not say.
-    others
-        Lines between its rows that are none, each with its number; nothing by default.
-    is_end
-        Whether the file ends with these lines.
-    is_cut
-        Whether that is because it is cut off in the last of them.
-    words
-        What is written where a column of numbers has none, by row and column; nothing by default.
-    again
-        The rows above which the headers stand once more; none by default.
-    """
-
-    values: tuple[Cells, ...]
-    place: Callable[[int], str]
-    row_count: int = 0
-    others: tuple[tuple[int, str], ...] = ()
-    is_end: bool = False
-    is_cut: bool = False
-    words: Mapping[tuple[int, int], str] = MappingProxyType({})
-    again: tuple[int, ...] = ()
+    values: tuple[Cells, ...]  # of each column that was asked for, in this order, all of the same length
+    place: Callable[[int], str]  # where a row is in the file, in words ("line 12"), by its number in this block from 0
+    row_count: int = 0  # for who asks for no column; 0 of a reader that does not say
+    others: tuple[tuple[int, str], ...] = ()  # lines between its rows that are none, each with its number
+    is_end: bool = False  # the file ends with these lines,
+    is_cut: bool = False  # because it is cut off in the last of them
+    words: Mapping[tuple[int, int], str] = MappingProxyType({})  # in place of a number, by row and column
+    again: tuple[int, ...] = ()  # the rows above which the headers stand once more
 
 
 @dataclass(frozen=True)
@@ -238,16 +218,7 @@ def stated_start_s(metadata: Mapping[str, MetadataValue]) -> float:
 def stated_periods_s(metadata: Mapping[str, MetadataValue], unit_stated: bool) -> dict[str, float]:
     """Return the times between two rows [s] that the metadata of a file state, of all channels or of each, by key.
 
-    Parameters
-    ----------
-    metadata
-        The metadata; those of a text file carry their unit at the end of the name.
-    unit_stated
-        Whether only keys with a unit count; MATLAB's ``Fs`` and ``dt`` are in Hz and s without one.
-
-    Returns
-    -------
-    The periods [s].
+    With ``unit_stated`` only keys that end in a unit count; MATLAB's ``Fs`` and ``dt`` are in Hz and s without one.
     """
     found: dict[str, float] = {}
     for sign in (_OF_SAMPLES, _OF_ANYTHING):
@@ -275,14 +246,11 @@ def differing_periods(periods_s: Mapping[str, float]) -> str:
 
 
 def doubted_clock(periods_s: Mapping[str, float], time_s: FloatArray) -> str:
-    """Return in words that rows are not as far apart as the file states of its samples, "" if they are.
-
-    ``time_s`` is a clock of the file's own. Where its times are rounded, or have gaps, their mean or their median may
-    be as stated.
-    """
+    """Return in words that rows are not as far apart as the file states of its samples, "" if they are."""
     steps_s = np.diff(time_s)
     for key, period_s in periods_s.items():
         if steps_s.size and _OF_SAMPLES.fullmatch(key):
+            # Of times that are rounded the mean is as stated, of times with gaps the median.
             usual = (float(np.median(steps_s)), float(steps_s.mean()))
             if all(abs(step_s / period_s - 1.0) > _AS_STATED for step_s in usual):
                 return (

@@ -43,7 +43,7 @@ class _UnitError(ValueError):
 def conversion_to_si(unit_text: str, column: str, where: str) -> UnitConversion:
     """Return the conversion to SI of numbers for ``column``, given in a unit as found in a header: "mm", "°C", "".
 
-    Raises RecordingError, which begins with ``where``, if the unit is unknown or of another quantity.
+    Raises RecordingError if the unit is unknown or of another quantity.
     """
     unit_si = COLUMNS[column].unit
     try:
@@ -58,10 +58,9 @@ _SCALE = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\s\d/][^\
 
 
 def scale_to_si(text: str, column: str, own_unit: str | None, where: str) -> UnitConversion | None:
-    """Return the conversion by a sensor's sensitivity ("2 V/mm") or scale ("0.5 mm/V", "0.05 mm").
+    """Return the conversion by a sensor's sensitivity ("2 V/mm") or scale ("0.5 mm/V", "0.05 mm"), else None.
 
-    None for another text. ``own_unit`` is that of the numbers, None if it is not stated and the text's own holds.
-    Raises RecordingError, which begins with ``where``, if the text fits neither ``column`` nor the numbers.
+    Raises RecordingError if it fits neither ``column`` nor the numbers, in their ``own_unit`` if that is stated.
     """
     match = _SCALE.fullmatch(text.strip())
     if match is None:
@@ -117,11 +116,9 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\
 
 
 def parse_quantity(text: str, unit_si: str) -> float:
-    """Return a number with its unit, such as "588.6 N/m" or "0.10 mm", as a number in ``unit_si``.
+    """Return a number with its unit, as "588.6 N/m", in ``unit_si``, of pint; "" takes "5 %" and "0.05" for the same.
 
-    ``unit_si`` is a pint symbol; "" asks for a dimensionless number, where "5 %" and "0.05" are the same.
-    Raises CallerError if the text is no number, has no unit, or the unit of another quantity, and for an amount that no
-    bench has.
+    Raises CallerError for other text, without a unit or with that of another quantity, and an amount that no bench has.
     """
     match = _QUANTITY.fullmatch(text)
     example = f"'0.5 {unit_si}'" if unit_si else "'0.5' or '50 %'"
@@ -140,10 +137,7 @@ def parse_quantity(text: str, unit_si: str) -> float:
 
 
 def quantity_with_suffix(text: str) -> tuple[float, str] | None:
-    """Return "1.0 ohm" as ``(1.0, "_ohm")``: the value in SI and the suffix its name should have.
-
-    None if the text is not a number followed by a unit for which our names have a suffix.
-    """
+    """Return "1.0 ohm" as ``(1.0, "_ohm")``, in SI with the ending of its name; None without such an ending."""
     match = _QUANTITY.fullmatch(text)
     if match is None or not match[2]:
         return None
@@ -156,10 +150,23 @@ def quantity_with_suffix(text: str) -> tuple[float, str] | None:
     return None
 
 
-# What no bench with a wire has, in SI: a slip of the pen or of the unit, which would compute nonsense or never end.
+# More in SI no bench with a wire has: a slip of the pen or of the unit, which would compute nonsense or never end.
 _LARGEST = {
-    **{"s": 1e8, "m": 1e3, "N": 1e6, "V": 1e6, "A": 1e6, "ohm": 1e9, "Pa": 1e12, "K": 1e9, "N/m": 1e9, "Hz": 1e9},
-    **{"kg": 1e6, "W": 1e9, "J": 1e9, "m/s": 1e5, "": 1e9},
+    "s": 1e8,  # three years
+    "m": 1e3,  # all wire of a spool
+    "N": 1e6,  # the weight of 100 t
+    "V": 1e6,  # a test of power lines
+    "A": 1e6,  # more than a lightning
+    "ohm": 1e9,  # an open circuit
+    "Pa": 1e12,  # as stiff as diamond
+    "K": 1e9,  # hotter than the sun
+    "N/m": 1e9,  # stiffer than any frame
+    "Hz": 1e9,  # faster than any converter of a bench
+    "kg": 1e6,  # 1000 t
+    "W": 1e9,  # a power station
+    "J": 1e9,  # a power station's in a second
+    "m/s": 1e5,  # faster than sound in any solid
+    "": 1e9,  # of anything
 }
 
 

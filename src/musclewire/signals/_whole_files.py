@@ -14,8 +14,7 @@ from musclewire.errors import CallerError
 def write_whole(path: Path, write: Callable[[Path], None]) -> None:
     """Call ``write`` on a temporary file next to ``path``, then rename it in one step.
 
-    A reader of ``path`` finds the old file or the new one, never a part of it. An exception of ``write`` is raised
-    again after the temporary file has been removed. Raises CallerError if the folder cannot be written to.
+    A reader finds the old file or the new one, never a part of it. Raises CallerError if the folder refuses it.
     """
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
     try:

@@ -45,9 +45,7 @@ def require_format(path: Path, matlab_version: str | None = None) -> None:
 def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_version: str | None = None) -> None:
     """Write columns, each (n_times,), and metadata in the format of the path's suffix, whole or not at all.
 
-    ``matlab_version`` is that of a .mat file; None is 5, or 7.3 if 5 cannot hold it. Raises CallerError for another
-    suffix or version or a folder that cannot be written to, MissingExtraError for .parquet without
-    pyarrow.
+    Raises CallerError for another suffix or version or a folder that refuses it, MissingExtraError without an extra.
     """
     fill = _format_of(path, matlab_version)
     write_whole(path, lambda temporary: fill(columns, metadata, temporary))
@@ -56,10 +54,9 @@ def write_columns(columns: Columns, metadata: Metadata, path: Path, matlab_versi
 def write_blocks(
     names: Sequence[str], blocks: Blocks, metadata: Metadata, path: Path, matlab_version: str | None = None
 ) -> None:
-    """Write a recording block after block, whole or not at all, in the format of the path's suffix.
+    """Write blocks, a column (n_rows,) for each of ``names``, whole or not at all, in the format of the path's suffix.
 
-    Each block holds a column of shape (n_rows,) for each of ``names``. A format that cannot grow is written
-    at once, from memory. Raises what ``write_columns`` raises, and what the blocks raise.
+    A format that cannot grow is written at once, from memory. Raises what ``write_columns`` and the blocks raise.
     """
     fill = _block_format_of(path)
     if fill is not None:
