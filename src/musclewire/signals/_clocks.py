@@ -176,51 +176,48 @@ def is_time_name(name: str) -> bool:
 
 
 @dataclass(frozen=True)
-class _Candidate:
-    clock: Clock
-    rank: int
+class FirstRows:
+    """The first rows of a table, from which its clock is found."""
+
+    path: str
+    columns: Sequence[SourceColumn]
+    cells: Sequence[Cells]  # of each column
+    names: Sequence[tuple[str, str | None]]  # of each column, with the unit that it states
+    period_s: float | None = None  # between two rows, as given or stated
+
+    def numbers(self, index: int) -> FloatArray:
+        """Return the cells of a column of numbers."""
+        return np.asarray(self.cells[index], dtype=np.float64)
+
+    def column(self, index: int) -> str:
+        """Return how a message begins that is of a column."""
+        return f"{self.path}: column '{self.columns[index].header}'"
+
+
+# A clock, and its rank among several: the lowest is the best.
+_Candidate = tuple[int, Clock]
 
 
 def find_clock(
-    columns: Sequence[SourceColumn],
-    head: Sequence[Cells],
-    names: Sequence[tuple[str, str | None]],
-    period_s: float | None,
-    path: str,
-    mapped: tuple[int, str | None] | None = None,
-    left_out: frozenset[int] = frozenset(),
+    rows: FirstRows, mapped: tuple[int, str | None] | None = None, left_out: frozenset[int] = frozenset()
 ) -> Clock | NoClock | None:
     """Return the clock of a table, why a column is none that seems to be one, or None if nothing is like a clock.
 
-    ``head`` are the first cells of each column, ``names`` its name and its stated unit, ``period_s`` the time between
-    rows that is given or stated. ``mapped`` is the column that the caller says it is, and the unit that he gives;
-    ``left_out`` are columns that are mapped to something else, or ignored.
+    ``mapped`` is the column that the caller says it is, and the unit that he gives; ``left_out`` are columns that are
+    mapped to something else, or ignored.
     """
-    wanted = range(len(columns)) if mapped is None else [mapped[0]]
-    texts = [i for i in wanted if columns[i].is_text and i not in left_out and _is_times(head[i])]
-    numbers = [i for i in wanted if not columns[i].is_text and i not in left_out]
+    others = [index for index in range(len(rows.columns)) if index not in left_out]
+    wanted = others if mapped is None else [mapped[0]]
+    texts = [index for index in wanted if rows.columns[index].is_text]
+    times = [index for index in texts if _is_times(rows.cells[index])]
+    if mapped is not None and texts and not times:
+        return NoClock(mapped[0], f"{rows.column(mapped[0])} holds text that is no time")
     given = None if mapped is None else mapped[1]
-    if mapped is not None and columns[mapped[0]].is_text and not texts:
-        return NoClock(mapped[0], f"{path}: column '{columns[mapped[0]].header}' holds text that is no time")
-    others = [i for i in range(len(columns)) if i not in left_out]
-    found: list[_Candidate] = []
-    doubts: list[NoClock] = []
-    for index in numbers:
-        one = _numeric_clock(index, columns, head, names, given, period_s, path, mapped is not None)
-        if isinstance(one, NoClock):
-            doubts.append(one)
-        elif one is not None:
-            found.append(one)
-    for index in texts:
-        one = _text_clock(index, columns, head, names, others, given, path)
-        if isinstance(one, NoClock):
-            doubts.append(one)
-        elif one is not None:
-            found.append(one)
-    if found:
-        best = min(found, key=lambda item: item.rank)
-        return _with_fraction(best.clock, columns, head, names, others, path)
-    return doubts[0] if doubts else None
+    judged = [_numeric_clock(rows, index, given, mapped is not None) for index in wanted if index not in texts]
+    judged += [_text_clock(rows, index, given, others) for index in times]
+    if found := [one for one in judged if isinstance(one, tuple)]:
+        return _with_fraction(rows, min(found, key=lambda one: one[0])[1], others)
+    return next((one for one in judged if isinstance(one, NoClock)), None)
 
 
 def _is_times(cells: Cells) -> bool:
@@ -245,57 +242,45 @@ def rises(values: FloatArray) -> bool:
     return bool(steps.size) and float(np.mean(steps >= 0.0)) >= _RISING and bool((steps > 0.0).any())
 
 
-def _numeric_clock(
-    index: int,
-    columns: Sequence[SourceColumn],
-    head: Sequence[Cells],
-    names: Sequence[tuple[str, str | None]],
-    given: str | None,
-    period_s: float | None,
-    path: str,
-    mapped: bool,
-) -> _Candidate | NoClock | None:
-    values, header = np.asarray(head[index], dtype=np.float64), columns[index].header
-    name, stated = names[index]
-    named = is_time_name(name)
-    unit = given if given is not None else stated
+def _numeric_clock(rows: FirstRows, index: int, given: str | None, mapped: bool) -> _Candidate | NoClock | None:
+    """Return the clock that a column of numbers is: by a unit that is given or stated, since long ago, or of rows."""
+    values, header = rows.numbers(index), rows.columns[index].header
+    name, stated = rows.names[index]
+    named, rising, step = is_time_name(name), rises(values), _usual_step(values)
+    per_count = None if given is None else scale_to_si(given, "time_s", None, rows.column(index))
+    if per_count is not None:
+        count_s = per_count.factor
+        return 0, Clock(header, (index,), str(given), count_s, counts=True, step_s=step * count_s)
+    unit = stated if given is None else given
     # A dash in a row of units says that there is none.
     unit = None if unit is not None and scale_between(unit, "") == 1.0 else unit
     if unit is None and named and len(name) > 1 and measures(name, "time_s"):
         # "Seconds" and "ms" are name and unit at once.
         unit = name
-    step = _usual_step(values)
-    per_count = scale_to_si(given, "time_s", None, f"{path}: column '{header}'") if given is not None else None
-    if per_count is not None:
-        count_s = per_count.factor
-        return _Candidate(Clock(header, (index,), str(given), count_s, counts=True, step_s=step * count_s), 0)
     if unit is not None:
         factor = _factor(unit)
         others = any(measures(unit, column.name) for column in columns_called(name))
         if factor is None and (mapped or (named and not others)):
-            return NoClock(index, _wrong_unit(unit, header, path))
-        if factor is None or not (mapped or named or rises(values)):
+            return NoClock(index, _wrong_unit(unit, rows.column(index)))
+        if factor is None or not (mapped or named or rising):
             return None
-        clock = Clock(header, (index,), unit, factor, step_s=step * factor)
         if name.strip().lower() == "time_s" and factor != 1.0:
-            return NoClock(index, f"{path}: column '{header}': time_s is in s by its name, not in {unit}; rename it")
-        sure = mapped or name == "time_s" or rises(values)
-        return _Candidate(_with_wraps(clock, values), 7 if not sure else 0 if named or mapped else 2)
-    if not rises(values):
-        return NoClock(index, _no_unit(path, header)) if named and not mapped else None
+            return NoClock(index, f"{rows.column(index)}: time_s is in s by its name, not in {unit}; rename it")
+        sure = mapped or name == "time_s" or rising
+        clock = Clock(header, (index,), unit, factor, step_s=step * factor)
+        return 7 if not sure else 0 if named or mapped else 2, _with_wraps(clock, values)
+    if not rising:
+        return NoClock(index, _no_unit(rows, index)) if named and not mapped else None
     if (epoch := _epoch_of(values)) is not None:
         factor = _factor(epoch[0]) or 1.0
-        clock = Clock(header, (index,), epoch[0], factor, step_s=step * factor, words=epoch[1])
-        return _Candidate(clock, 1 if named else 3)
+        return 1 if named else 3, Clock(header, (index,), epoch[0], factor, step_s=step * factor, words=epoch[1])
     whole = bool((values[np.isfinite(values)] % 1.0 == 0.0).all())
     by_one = whole and float(np.mean(_steps_of(values) == 1.0)) >= _COUNTS_BY_ONE
-    if by_one and period_s is not None and not mapped:
-        words = f"it counts the rows, one every {period_s:g} s"
-        return _Candidate(
-            Clock(header, (index,), f"{period_s:g} s", period_s, counts=True, step_s=period_s, words=words), 6
-        )
+    if by_one and rows.period_s is not None and not mapped:
+        unit, words = f"{rows.period_s:g} s", f"it counts the rows, one every {rows.period_s:g} s"
+        return 6, Clock(header, (index,), unit, rows.period_s, counts=True, step_s=rows.period_s, words=words)
     if named or mapped:
-        return NoClock(index, _no_unit(path, header), _unit_offered(values, period_s))
+        return NoClock(index, _no_unit(rows, index), _unit_offered(values, rows.period_s))
     return None
 
 
@@ -303,16 +288,17 @@ def _factor(unit: str) -> float | None:
     return scale_between(unit, "s") if measures(unit, "time_s") else None
 
 
-def _wrong_unit(unit: str, header: str, path: str) -> str:
+def _wrong_unit(unit: str, column: str) -> str:
     try:
-        conversion_to_si(unit, "time_s", f"{path}: column '{header}'")
+        conversion_to_si(unit, "time_s", column)
     except RecordingError as problem:
         return str(problem)
     return ""
 
 
-def _no_unit(path: str, header: str) -> str:
-    return f"{path}: column '{header}' has no unit: write '{header} [s]' in the header or map it: time_s={header}:s"
+def _no_unit(rows: FirstRows, index: int) -> str:
+    header = rows.columns[index].header
+    return f"{rows.column(index)} has no unit: write '{header} [s]' in the header or map it: time_s={header}:s"
 
 
 def _unit_offered(values: FloatArray, period_s: float | None) -> str | None:
@@ -354,70 +340,42 @@ def _with_wraps(clock: Clock, values: FloatArray) -> Clock:
     return replace(clock, wraps_s=tuple(bound * clock.factor for bound in _WRAPS if finite.max() < bound))
 
 
-def _text_clock(
-    index: int,
-    columns: Sequence[SourceColumn],
-    head: Sequence[Cells],
-    names: Sequence[tuple[str, str | None]],
-    others: Sequence[int],
-    given: str | None,
-    path: str,
-) -> _Candidate | NoClock | None:
+def _text_clock(rows: FirstRows, index: int, given: str | None, others: Sequence[int]) -> _Candidate | NoClock | None:
     """Return the clock of dates or times of day; a date takes the time of day in another column."""
-    cells = [str(cell) for cell in head[index]]
+    cells = [str(cell) for cell in rows.cells[index]]
     first = next(cell for cell in cells if cell.strip())
-    name, stated = names[index]
+    name, stated = rows.names[index]
     indices: tuple[int, ...] = (index,)
-    header = columns[index].header
+    header = rows.columns[index].header
+    texts = [other for other in others if other != index and rows.columns[other].is_text and rows.cells[other]]
     if is_date(first):
-        beside = next((i for i in others if i != index and columns[i].is_text and _is_time_column(head[i])), None)
-        if beside is None:
+        of_day = next((other for other in texts if is_time_of_day(str(rows.cells[other][0]))), None)
+        if of_day is None:
             return None
-        indices, header = (index, beside), f"{header} {columns[beside].header}"
-        cells = [f"{one} {two}" for one, two in zip(cells, map(str, head[beside]), strict=True)]
-    elif is_time_of_day(first):
-        date = next((i for i in others if i != index and columns[i].is_text and _is_date_column(head[i])), None)
-        if date is not None:
-            return None  # it is found from the date on
+        indices, header = (index, of_day), f"{header} {rows.columns[of_day].header}"
+        cells = [f"{one} {two}" for one, two in zip(cells, map(str, rows.cells[of_day]), strict=True)]
+    elif is_time_of_day(first) and any(is_date(str(rows.cells[other][0])) for other in texts):
+        return None  # it is found from the date on
     form = written_clock(given) or written_clock(stated) or written_clock(None, cells)
     if form is None:
         message = (
-            f"{path}: column '{header}' may be minutes and seconds or hours and minutes; "
+            f"{rows.path}: column '{header}' may be minutes and seconds or hours and minutes; "
             f"map it as it is meant: time_s={header}:mm:ss"
         )
         return NoClock(index, message, "mm:ss")
-    texts = ClockTexts("", form)
     try:
-        seconds = texts.seconds(cells, str)
+        seconds = ClockTexts("", form).seconds(cells, str)
     except RecordingError:
         seconds = np.zeros(0)
-    step_s = _usual_step(seconds)
     has_date = len(indices) > 1 or not is_time_of_day(first)
-    wraps_s = (
-        (_HOUR_S,) if has_date or form == "mm:ss" else (_DAY_S / 2.0,) if not re.search("[ap]m", first, re.I) else ()
-    )
+    by_halves = re.search("[ap]m", first, re.I) is not None
+    wraps_s = (_HOUR_S,) if has_date or form == "mm:ss" else () if by_halves else (_DAY_S / 2.0,)
     named = is_time_name(name) or is_time_name(header)
-    return _Candidate(
-        Clock(header, indices, form or "s", is_text=True, wraps_s=wraps_s, step_s=step_s), 4 if named else 5
-    )
+    clock = Clock(header, indices, form or "s", is_text=True, wraps_s=wraps_s, step_s=_usual_step(seconds))
+    return 4 if named else 5, clock
 
 
-def _is_date_column(cells: Cells) -> bool:
-    return isinstance(cells, list) and bool(cells) and is_date(str(cells[0]))
-
-
-def _is_time_column(cells: Cells) -> bool:
-    return isinstance(cells, list) and bool(cells) and is_time_of_day(str(cells[0]))
-
-
-def _with_fraction(
-    clock: Clock,
-    columns: Sequence[SourceColumn],
-    head: Sequence[Cells],
-    names: Sequence[tuple[str, str | None]],
-    others: Sequence[int],
-    path: str,
-) -> Clock:
+def _with_fraction(rows: FirstRows, clock: Clock, others: Sequence[int]) -> Clock:
     """Return a clock of whole seconds with the column that counts the fraction of each, if there is one.
 
     That column makes the clock rise in every row, or more evenly than it does alone.
@@ -425,19 +383,19 @@ def _with_fraction(
     if clock.counts or clock.factor != 1.0 or clock.header == "time_s":
         return clock
     try:
-        whole_s = ClockReader(clock, path).seconds([head[i] for i in clock.indices], str)
+        whole_s = ClockReader(clock, rows.path).seconds([rows.cells[index] for index in clock.indices], str)
     except RecordingError:
         return clock
     if whole_s.size < 3 or not np.isfinite(whole_s).all() or (whole_s % 1.0 != 0.0).any():
         return clock
     for index in others:
-        if index in clock.indices or columns[index].is_text or columns[index].is_empty:
+        column, unit = rows.columns[index], rows.names[index][1]
+        if index in clock.indices or column.is_text or column.is_empty:
             continue
-        scale = _scale_of_fraction(np.asarray(head[index], dtype=np.float64), whole_s)
-        unit = names[index][1]
+        counts = rows.numbers(index)
+        scale = _scale_of_fraction(counts, whole_s)
         if scale is not None and (unit is None or _factor(unit) == scale):
-            step_s = _usual_step(whole_s + scale * np.asarray(head[index], dtype=np.float64))
-            header = f"{clock.header} {columns[index].header}"
+            step_s, header = _usual_step(whole_s + scale * counts), f"{clock.header} {column.header}"
             return replace(clock, fraction=(index, scale), header=header, step_s=step_s)
     return clock
 

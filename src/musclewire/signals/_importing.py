@@ -15,7 +15,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._clocks import Clock, ClockReader, NoClock, find_clock, impossible, is_time_name
+from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible, is_time_name
 from musclewire.signals._columns import (
     BRANCH_TABLE,
     COLUMNS,
@@ -271,9 +271,8 @@ def _clock_of(table: SourceTable, mapping: ImportMapping) -> tuple[Clock | None,
         stated = names[mapped[0]][1]
         if stated and scale_to_si(mapped[1], "time_s", None, path) is None:
             require_same(mapped[1], stated, columns[mapped[0]].header, "time_s", path)
-    head = heads_of(table)
     period_s = mapping.sample_period_s or next(iter(table.stated_periods_s.values()), None)
-    found = find_clock(columns, head, names, period_s, path, mapped, left_out)
+    found = find_clock(FirstRows(path, columns, heads_of(table), names, period_s), mapped, left_out)
     if isinstance(found, NoClock):
         return None, None if mapping.sample_period_s is not None else found
     if found is not None and found.counts:

@@ -6,7 +6,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._clocks import Clock, ClockReader, NoClock, find_clock
+from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock
 from musclewire.signals._columns import key_of_header
 from musclewire.signals._headers import name_and_unit
 from musclewire.signals._source_table import Cells, SourceColumn, SourceTable, TableInMemory, heads_of
@@ -28,10 +28,9 @@ def spread_series(table: SourceTable) -> SourceTable:
     units = [i for i, key in enumerate(keys) if key in _UNITS and table.columns[i].is_text]
     if len(names) != 1 or len(values) != 1 or table.columns[values[0]].is_text:
         return table
-    head = heads_of(table)
-    left_out = frozenset({*names, *values, *units})
     stated = [name_and_unit(column) for column in table.columns]
-    clock = find_clock(table.columns, head, stated, None, table.path, None, left_out)
+    rows = FirstRows(table.path, table.columns, heads_of(table), stated)
+    clock = find_clock(rows, None, frozenset({*names, *values, *units}))
     if clock is None:
         return table
     header = table.columns[clock.index].header if isinstance(clock, NoClock) else clock.header

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.signals._clocks import Clock, ClockReader, NoClock, find_clock, impossible
+from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible
 from musclewire.signals._headers import name_and_unit
 from musclewire.signals._source_table import Cells, SourceColumn
 
@@ -20,7 +20,9 @@ BEGAN = datetime(2026, 3, 1, 23, 59, 31, 200_000)
 
 def found(columns: dict[str, Cells], period_s: float | None = None) -> Clock | NoClock | None:
     sources = [SourceColumn(name, is_text=isinstance(cells, list)) for name, cells in columns.items()]
-    return find_clock(sources, list(columns.values()), [name_and_unit(one) for one in sources], period_s, "a.csv")
+    return find_clock(
+        FirstRows("a.csv", sources, list(columns.values()), [name_and_unit(one) for one in sources], period_s)
+    )
 
 
 def read(columns: dict[str, Cells], period_s: float | None = None) -> tuple[np.ndarray, list[str]]:
