@@ -9,10 +9,11 @@ import pytest
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.experiment import characterize
+from musclewire.extras.calibration import priors_around
 from musclewire.extras.calibration._resistance_alone.fitting import ResistanceFit, fit_resistance
 from musclewire.extras.calibration._resistance_alone.observation import Marks
 from musclewire.extras.calibration._resistance_alone.possible_curves import combined_std
-from musclewire.extras.calibration._resistance_alone.spreads import priors_around, spreads
+from musclewire.extras.calibration._resistance_alone.spreads import spreads
 from musclewire.identify import estimate, fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool

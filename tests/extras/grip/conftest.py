@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from tests.tools import made_once
 
-from musclewire.extras.grip._gripper_training import GripperKnowledge, load_knowledge, train_gripper
+from musclewire.extras.grip import GripperKnowledge, load_knowledge, train_gripper
 
 
 @pytest.fixture(scope="session")

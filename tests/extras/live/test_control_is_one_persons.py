@@ -12,7 +12,7 @@ import pytest
 from websockets.sync.client import ClientConnection, connect
 
 from musclewire.errors import RigError
-from musclewire.extras.live._client import LiveClient
+from musclewire.extras.live import LiveClient
 
 BENCH = "/api/v1/benches/simulated"
 PATIENCE_S = 20.0

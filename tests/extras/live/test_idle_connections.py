@@ -15,7 +15,7 @@ import pytest
 from benchmarks.live_server import RunningServer, running_server
 from benchmarks.live_stop import run_among
 
-from musclewire.extras.live._client import LiveClient
+from musclewire.extras.live import LiveClient
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="limits another process's open files, uses all of 127.0.0.0/8"

@@ -15,7 +15,7 @@ from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
 
 from musclewire.errors import CallerError
-from musclewire.extras.live._client import LiveClient
+from musclewire.extras.live import LiveClient
 from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
 from musclewire.extras.live._server.access import own_token
 from musclewire.extras.live._server.running import ListenAddress, running

@@ -7,7 +7,8 @@ import sys
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.paper._reproduce.all_checks import all_checks, matching, rows_named
+from musclewire.extras.paper import all_checks
+from musclewire.extras.paper._reproduce.all_checks import matching, rows_named
 from musclewire.parameters import read_published
 
 STUDIES = CHECKOUT / "studies"

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from musclewire.errors import NumericsError
-from musclewire.extras.studies._run_kind import KindOptions, Outcome, Quantity, RunKind, StudyRun, StudyRuns, each
+from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
+from musclewire.extras.studies._run_kind import StudyRun
 
 
 class CountingOptions(KindOptions):

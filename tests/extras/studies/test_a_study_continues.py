@@ -14,8 +14,8 @@ import pytest
 from counted_study import Counted
 
 from musclewire.errors import CallerError, NumericsError
+from musclewire.extras.studies import Workers, read_study, sweep
 from musclewire.extras.studies._folder import StudyFolder
-from musclewire.extras.studies._study import Workers, read_study, sweep
 from musclewire.parameters import load_alloy, load_wire, wire_file_text
 
 pytestmark = pytest.mark.slow

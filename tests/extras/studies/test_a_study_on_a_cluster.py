@@ -10,7 +10,7 @@ from counted_study import Counted
 from dask_cluster import DaskCluster
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies._study import StudyResult, Workers, sweep
+from musclewire.extras.studies import StudyResult, Workers, sweep
 
 
 def same(one: StudyResult, other: StudyResult) -> bool:

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from musclewire.app._output import table
+from musclewire.app import table
 
 HEAD = ("event [ms]", "lasting", "when")
 ROWS = [("over_current", "20", "current above what the wire bears, " * 5 + "end"), ("rest", "-", "[always]")]

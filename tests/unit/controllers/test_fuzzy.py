@@ -12,15 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from musclewire.controllers._fuzzy import infer_ratios, infer_surface, rule_weights
-from musclewire.controllers._rules import (
+from musclewire.controllers import (
     SET_NAMES,
     MamdaniRules,
     MembershipSet,
     RuleBase,
     ZhaoRules,
+    infer_ratios,
+    infer_surface,
     load_rule_base,
     rule_base_names,
+    rule_weights,
 )
 from musclewire.errors import CallerError, NumericsError
 

@@ -10,11 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers._drive_limits import DriveLimits
-from musclewire.controllers._fuzzy import infer_ratios
-from musclewire.controllers._fuzzy_pid import FuzzyPidController, FuzzyPidSettings
+from musclewire.controllers import (
+    DriveLimits,
+    FuzzyPidController,
+    FuzzyPidSettings,
+    infer_ratios,
+    load_rule_base,
+    rule_base_names,
+)
 from musclewire.controllers._kernels import PidState
-from musclewire.controllers._rules import load_rule_base, parse_rule_base, rule_base_names
+from musclewire.controllers._rules import parse_rule_base
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals import ControlStep, QuantityEstimate, Reason
 

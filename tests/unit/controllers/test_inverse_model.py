@@ -9,10 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers._controller import ControllerSetup
-from musclewire.controllers._drive_limits import DriveLimits
-from musclewire.controllers._inverse_model import STATE, InverseModelController
-from musclewire.controllers._known_wire import FeedforwardSettings
+from musclewire.controllers import ControllerSetup, DriveLimits, FeedforwardSettings, InverseModelController
+from musclewire.controllers._inverse_model import STATE
 from musclewire.errors import CallerError, NumericsError
 from musclewire.signals import Drive, QuantityEstimate, Reason, WireEstimate
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from musclewire.controllers._controller import ControllerSetup
-from musclewire.controllers._drive_limits import DriveLimits
-from musclewire.controllers._pid import PidSettings, pid_controller
+from musclewire.controllers import ControllerSetup, DriveLimits, PidSettings, pid_controller
 from musclewire.signals import QuantityEstimate
 
 LIMITS = DriveLimits(0.4, 3.2)

@@ -9,8 +9,7 @@ mpl.use("Agg")
 
 import matplotlib.pyplot as plt
 
-from musclewire.controllers._plots import plot_rule_surfaces
-from musclewire.controllers._rules import load_rule_base, rule_base_names
+from musclewire.controllers import load_rule_base, plot_rule_surfaces, rule_base_names
 from musclewire.errors import CallerError
 
 

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from tests.unit.controllers.protected_wire import LIMITS as WIRE
 from tests.unit.controllers.protected_wire import allowed_drive_v, armed, protect_command, protect_reading
 
-from musclewire.controllers import Event, ProtectionState, State, protection_table
-from musclewire.controllers._protection.row import CONDITION_EVENTS
+from musclewire.controllers import CONDITION_EVENTS, Event, ProtectionState, State, protection_table
 from musclewire.errors import CallerError
 
 LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, maximum_temperature_k=473.15)

@@ -10,8 +10,15 @@ import math
 import pytest
 from tests.unit.controllers.protected_wire import armed, protect_command, protect_missing, protect_reading
 
-from musclewire.controllers import Event, Protection, ProtectionLimits, State, protection_table
-from musclewire.controllers._protection.row import CONDITION_EVENTS, ProtectionState
+from musclewire.controllers import (
+    CONDITION_EVENTS,
+    Event,
+    Protection,
+    ProtectionLimits,
+    ProtectionState,
+    State,
+    protection_table,
+)
 
 LIMITS = ProtectionLimits(
     sense_voltage_v=0.5,

@@ -19,8 +19,16 @@ from tests.unit.controllers.protected_wire import (
     tripped_by,
 )
 
-from musclewire.controllers import Event, ProtectionState, ProtectionTable, Signal, State, protection_table
-from musclewire.controllers._protection.table import AllowedDrive, Effect
+from musclewire.controllers import (
+    AllowedDrive,
+    Effect,
+    Event,
+    ProtectionState,
+    ProtectionTable,
+    Signal,
+    State,
+    protection_table,
+)
 
 LIMITS = WIRE._replace(wire_range_v=10.0, shunt_range_v=10.0, readings_noisy=0.0, maximum_temperature_k=473.15)
 SOUND = (32.0 / 17.0, 2.0 / 17.0)

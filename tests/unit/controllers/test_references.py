@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers._references import Staircase, sampled_reference, staircase
+from musclewire.controllers import Staircase, sampled_reference, staircase
 from musclewire.errors import CallerError
 
 PAPER_LEVELS = (0.015, 0.018, 0.021, 0.024, 0.027, 0.03, 0.027, 0.024, 0.021, 0.018, 0.015)

@@ -5,14 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.controllers._rules import (
-    SET_NAMES,
-    MamdaniRules,
-    ZhaoRules,
-    load_rule_base,
-    parse_rule_base,
-    rule_base_names,
-)
+from musclewire.controllers import SET_NAMES, MamdaniRules, ZhaoRules, load_rule_base, rule_base_names
+from musclewire.controllers._rules import parse_rule_base
 from musclewire.errors import CallerError
 
 CONSTANT = """

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.controllers._steered_reference import SteeredReference
+from musclewire.controllers import SteeredReference
 from musclewire.errors import CallerError
 
 # What a loop does: at each sample it asks for the target of the last one, then for the present one.

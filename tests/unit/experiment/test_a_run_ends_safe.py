@@ -12,10 +12,8 @@ from fake_rig import FakeRig, stop_after, straight_model
 
 from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._closed_loop import LoopChoice, control, prepared_loop
-from musclewire.experiment._open_loop import WaveformPolicy, characterize, slow_sine
-from musclewire.experiment._run import run_on_rig
-from musclewire.experiment._run_warnings import run_warnings
+from musclewire.experiment import LoopChoice, WaveformPolicy, characterize, control, run_on_rig, run_warnings, slow_sine
+from musclewire.experiment._closed_loop import prepared_loop
 from musclewire.sensing import SensingModel
 
 

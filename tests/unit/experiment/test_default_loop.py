@@ -12,8 +12,7 @@ from fake_rig import FakeRig, straight_model
 import musclewire as mw
 from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSettings, staircase
 from musclewire.errors import CallerError
-from musclewire.experiment import LoopChoice, control, run_warnings
-from musclewire.experiment._metrics import control_metrics
+from musclewire.experiment import LoopChoice, control, control_metrics, run_warnings
 from musclewire.identify import gains_of
 from musclewire.judge import judged
 from musclewire.sensing import KnownSpring, SensingModel

@@ -13,8 +13,9 @@ from tests.contract.altered_device import AlteredDevice
 import musclewire as mw
 from musclewire.app import document, text
 from musclewire.errors import CallerError
+from musclewire.experiment import RigCheck, SkippedCheck
 from musclewire.experiment._doctor import Examination, examine
-from musclewire.experiment._doctor.evidence import Findings, RigCheck, SkippedCheck
+from musclewire.experiment._doctor.evidence import Findings
 from musclewire.experiment._doctor.examine import BELOW, LATER
 from musclewire.judge import remedies
 from musclewire.rigs import Answer, Arriving, GuardedRig, HasTrueState, ability

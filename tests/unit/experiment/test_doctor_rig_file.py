@@ -7,7 +7,8 @@ import tomllib
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment._doctor.rig_file import ChannelCalibration, with_calibration
+from musclewire.experiment import ChannelCalibration
+from musclewire.experiment._doctor.rig_file import with_calibration
 
 FILE = """# my bench
 kind = "nidaq"

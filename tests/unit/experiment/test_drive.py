@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._drive import HeldCurrent, drive_wire
+from musclewire.experiment import drive_wire
+from musclewire.experiment._drive import HeldCurrent
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive, RawSample
 

@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 from musclewire.controllers import staircase
-from musclewire.experiment._closed_loop import control
-from musclewire.experiment._open_loop import characterize
+from musclewire.experiment import characterize, control
 from musclewire.identify import fit
 from musclewire.rigs import GuardedRig, RigConfiguration, open_rig
 

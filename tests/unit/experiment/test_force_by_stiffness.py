@@ -7,7 +7,7 @@ from fake_rig import FakeRig, straight_model
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.experiment._closed_loop import control
+from musclewire.experiment import control
 from musclewire.sensing import KnownSpring
 from musclewire.signals import Recording
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from musclewire.experiment._open_loop import characterize
+from musclewire.experiment import characterize
 from musclewire.experiment._run_warnings import force_warnings
 from musclewire.rigs import open_rig
 from musclewire.signals import MetadataValue, Recording

@@ -7,10 +7,7 @@ from collections.abc import Mapping
 import pytest
 
 from musclewire.errors import CallerError, FitRejectedError
-from musclewire.experiment._home import home, home_duration_s, plan_for
-from musclewire.experiment._home_sweep import HomeSweep
-from musclewire.experiment._open_loop import characterize
-from musclewire.experiment._run import run_on_rig
+from musclewire.experiment import HomeSweep, characterize, home, home_duration_s, plan_for, run_on_rig
 from musclewire.identify import fit
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel

@@ -13,7 +13,7 @@ from tests.other_estimators import DriftingEstimator
 
 import musclewire as mw
 from musclewire.controllers import CONTROLLERS, ControllerSetup, DriveLimits, staircase
-from musclewire.experiment._metrics import ControlRun
+from musclewire.experiment import ControlRun
 from musclewire.manifest import Manifest, manifests
 from musclewire.sensing import ESTIMATORS
 from musclewire.signals import ControlStep, Drive, QuantityEstimate, Reason

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import NumericsError, RigError
-from musclewire.experiment._drive import drive_wire
-from musclewire.experiment._open_loop import characterize
+from musclewire.experiment import characterize, drive_wire
 from musclewire.rigs import GuardedRig, HasStage, HasTrueState, RigConfiguration, ability, open_rig
 from musclewire.signals import Recording
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from musclewire.experiment._open_loop import characterize, levelling_amplitude
+from musclewire.experiment import characterize
+from musclewire.experiment._open_loop import levelling_amplitude
 from musclewire.identify import shows_c
 from musclewire.rigs import open_rig
 from musclewire.signals import Recording, read_recording

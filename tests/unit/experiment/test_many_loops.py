@@ -20,11 +20,8 @@ from musclewire.controllers import (
     staircase,
 )
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment._closed_loop import control
-from musclewire.experiment._loop_outcomes import LoopOutcome, ManyControlRuns
-from musclewire.experiment._many_loops import control_compiled, control_many
-from musclewire.experiment._open_loop import characterize
-from musclewire.experiment._run_warnings import friction_warnings
+from musclewire.experiment import LoopOutcome, characterize, control, control_compiled, control_many, friction_warnings
+from musclewire.experiment._loop_outcomes import ManyControlRuns
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, Surroundings, open_rig
 from musclewire.sensing import EstimatorSetup, KnownSpring, PolynomialEstimator, SensingModel

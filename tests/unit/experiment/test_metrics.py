@@ -5,8 +5,8 @@ import pytest
 from fake_rig import FakeRig, straight_model
 
 from musclewire.controllers import sampled_reference, staircase
-from musclewire.experiment._closed_loop import control
-from musclewire.experiment._metrics import control_metrics, mean_absolute_error
+from musclewire.experiment import control, control_metrics
+from musclewire.experiment._metrics import mean_absolute_error
 from musclewire.signals import Recording
 
 

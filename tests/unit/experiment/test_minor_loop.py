@@ -7,8 +7,9 @@ import pytest
 from fake_rig import FakeRig, stop_after
 
 from musclewire.errors import RigError
+from musclewire.experiment import characterize
 from musclewire.experiment._minor_loop import TURN_BACK, TURN_UP, MinorLoopPolicy, MinorLoopTurns, turns_after
-from musclewire.experiment._open_loop import MIN_FALL_FRACTION, characterize, raised_cosine
+from musclewire.experiment._open_loop import MIN_FALL_FRACTION, raised_cosine
 from musclewire.identify import fit, loop_gaps
 from musclewire.judge import resistance_reading
 from musclewire.rigs import open_rig

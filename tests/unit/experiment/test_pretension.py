@@ -7,13 +7,8 @@ import pytest
 from fake_rig import FakeRig
 
 from musclewire.errors import CallerError
-from musclewire.experiment._pretension import (
-    PretensionRow,
-    PretensionSweep,
-    default_pretensions_n,
-    largest_in_motion_n,
-    pretension_sweep,
-)
+from musclewire.experiment import PretensionRow, PretensionSweep, pretension_sweep
+from musclewire.experiment._pretension import default_pretensions_n, largest_in_motion_n
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import Recording
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.experiment._run_warnings import friction_warnings, run_warnings
+from musclewire.experiment import friction_warnings, run_warnings
 from musclewire.signals import MetadataValue, Recording
 
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
-from musclewire.experiment._speed_limits import checked_reference, staircase_within
+from musclewire.experiment import staircase_within
+from musclewire.experiment._speed_limits import checked_reference
 from musclewire.sensing import SensingModel
 
 STRAIN = SensingModel(15.0, 17.0, (0.036, -0.036), (0.036, -0.036), 0.0, 1.0)

@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 import musclewire as mw
-from musclewire.experiment._open_loop import WaveformPolicy
-from musclewire.experiment._run import LoopTiming, run_on_rig
-from musclewire.experiment._timing_facts import timing_json
+from musclewire.experiment import WaveformPolicy, run_on_rig, timing_json
+from musclewire.experiment._run import LoopTiming
 
 PERIOD_NS = 1_000_000
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.experiment._training import train
+from musclewire.experiment import train
 from musclewire.rigs import RigConfiguration, open_rig
 
 

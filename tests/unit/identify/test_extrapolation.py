@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from musclewire import characterize, open_rig
-from musclewire.identify._extrapolation import extrapolation_warnings, reached_in
+from musclewire.identify import extrapolation_warnings, reached_in
 from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.signals import Recording
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.experiment import characterize
+from musclewire.identify import fit
 from musclewire.identify._loop_gaps import guide_friction_n
-from musclewire.identify._sensing_model import fit
 from musclewire.parameters import load_bench
 from musclewire.rigs import open_rig
 from musclewire.signals import Recording

@@ -5,8 +5,7 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.experiment import characterize, pretension_sweep
-from musclewire.identify._loop_gaps import loop_gaps
-from musclewire.identify._sensing_model import estimate, fit
+from musclewire.identify import estimate, fit, loop_gaps
 from musclewire.judge import resistance_reading
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.identify._isobaric_loops import IsobaricLoop, half_transformation_slope_pa_per_k, summarize_isobar
+from musclewire.identify import IsobaricLoop, half_transformation_slope_pa_per_k, summarize_isobar
 
 STROKE = 0.04
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify._joining import join_recordings
+from musclewire.identify import join_recordings
 from musclewire.signals import Recording
 
 Shape = Callable[[np.ndarray], np.ndarray]

@@ -13,14 +13,8 @@ from known_plant import LIMITS, MODEL, plant_settings
 
 from musclewire.controllers import CONTROLLERS, FuzzyPidSettings, Gains, load_gains
 from musclewire.errors import CallerError, RecordingError
-from musclewire.identify._tuning import (
-    Tuning,
-    feedback_gains,
-    margins_of,
-    stated_heat_balance,
-    tune,
-    worst_margins,
-)
+from musclewire.identify import Tuning, stated_heat_balance, tune
+from musclewire.identify._tuning import feedback_gains, margins_of, worst_margins
 from musclewire.sensing import SensingModel, with_wire_model
 from musclewire.signals import Recording
 

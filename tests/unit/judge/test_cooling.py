@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from musclewire.experiment import run_warnings
+from musclewire.judge import JudgedLoop, judged
 from musclewire.judge._cooling import seen_cooling
-from musclewire.judge._findings import judged
-from musclewire.judge._loop import JudgedLoop
 from musclewire.signals import COOLING_FROM, Recording
 
 PERIOD_S, LOOP_S, COOLING_S = 0.05, 4.0, 8.0

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import musclewire as mw
+from musclewire.judge import recording_defects
 from musclewire.judge._defects import (
     DEFECTS,
     Defect,
@@ -15,7 +16,6 @@ from musclewire.judge._defects import (
     Numbers,
     largest_jump,
     longest_flat,
-    recording_defects,
     scatter_ohm,
     short_cooling,
 )

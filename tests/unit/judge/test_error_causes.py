@@ -13,8 +13,9 @@ from tests.other_estimators import DriftingEstimator
 from musclewire.arrays import FloatArray
 from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
-from musclewire.judge._error_causes import ErrorCause, JudgedEstimate
-from musclewire.judge._readings import UNNOTICED, UNUSABLE, JudgedRecording
+from musclewire.judge import JudgedEstimate, JudgedRecording
+from musclewire.judge._error_causes import ErrorCause
+from musclewire.judge._readings import UNNOTICED, UNUSABLE
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel, evaluate
 from musclewire.signals import Reason, Recording

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from musclewire.experiment import run_warnings
-from musclewire.judge._findings import judged
+from musclewire.judge import JudgedLoop, judged
 from musclewire.judge._first_heating import SeenAtB, seen_at_b
-from musclewire.judge._loop import JudgedLoop
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05

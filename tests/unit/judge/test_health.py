@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.judge._findings import judged
-from musclewire.judge._loop import Cause
+from musclewire.judge import Cause, judged
 from musclewire.signals import Recording
 
 PERIOD_S = 0.05

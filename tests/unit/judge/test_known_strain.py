@@ -11,9 +11,8 @@ import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import control, run_warnings
-from musclewire.judge._findings import judged
+from musclewire.judge import JudgedLoop, judged
 from musclewire.judge._known_strain import MissedBy, compared_with_known
-from musclewire.judge._loop import JudgedLoop
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.judge._findings import judged
-from musclewire.judge._first_heating import KnownB
-from musclewire.judge._loop import JudgedLoop
-from musclewire.judge._odd_resistance import odd_resistance
+from musclewire.judge import JudgedLoop, KnownB, judged, odd_resistance
 from musclewire.signals import Recording
 
 KNOWN = KnownB(b_ohm=20.0, c_ohm=17.0, rise_ohm=0.2, std_ohm=0.012, highest_ohm=20.0, sense_voltage_v=0.3)

@@ -17,13 +17,13 @@ from tests.places import DOCS
 import musclewire as mw
 from musclewire.app import run
 from musclewire.experiment import run_warnings
+from musclewire.judge import GRAVE, Cause, JudgedLoop, judged, odd_resistance, remedies
 from musclewire.judge._defects import DEFECTS
-from musclewire.judge._findings import ALWAYS, FINDINGS, GRAVE, NEVER, judged, remedies
+from musclewire.judge._findings import ALWAYS, FINDINGS, NEVER
 from musclewire.judge._first_heating import seen_at_b
 from musclewire.judge._known_strain import compared_with_known
-from musclewire.judge._loop import Cause, JudgedLoop, in_windows
+from musclewire.judge._loop import in_windows
 from musclewire.judge._missed_target import MAX_MISSED, missed_target
-from musclewire.judge._odd_resistance import odd_resistance
 from musclewire.sensing import SensingModel
 
 SHARED = {seen_at_b, compared_with_known, missed_target, odd_resistance}

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.judge._first_heating import KnownB
+from musclewire.judge import KnownB, RunCorrection
 from musclewire.judge._known_strain import COMPARED_S, KnownStrain
-from musclewire.judge._run_correction import FirstHeating, RunCorrection
+from musclewire.judge._run_correction import FirstHeating
 from musclewire.sensing import Correction, SensingModel
 from musclewire.signals import QuantityEstimate, Reason, WireSample
 

@@ -6,8 +6,15 @@ import math
 
 import pytest
 
-from musclewire.parameters._catalogue import CatalogueRow, catalogue_names, catalogue_row, load_catalogue
-from musclewire.parameters._library import load_alloy, load_wire, names
+from musclewire.parameters import (
+    CatalogueRow,
+    catalogue_names,
+    catalogue_row,
+    load_alloy,
+    load_catalogue,
+    load_wire,
+    names,
+)
 from musclewire.physics import convection_coefficient_w_per_m2_k
 
 ROWS = load_catalogue().row

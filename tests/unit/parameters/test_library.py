@@ -8,8 +8,8 @@ import math
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters._library import load_alloy, load_bench, load_wire, names, published_text, read_published
-from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
+from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire, names, read_published
+from musclewire.parameters._library import published_text
 
 
 def everything() -> list[Alloy | Bench | Wire]:

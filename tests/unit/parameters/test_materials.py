@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters._materials import Material, folder_of_materials, load_material, material_names
-from musclewire.parameters._validation import validated
+from musclewire.parameters import Material, folder_of_materials, load_material, material_names, validated
 
 
 @pytest.fixture

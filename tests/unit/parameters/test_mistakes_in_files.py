@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
+from musclewire.parameters import Alloy, Bench, Wire, validated
 from musclewire.parameters._library import read_named
-from musclewire.parameters._parameter_groups import Alloy, Bench, Wire
-from musclewire.parameters._validation import validated
 
 # What a file may leave out, and what that means: docs/reference/files.md.
 OPTIONAL = {"early_fraction": 0.0, "early_width": 1.0}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.parameters._priors import load_priors
+from musclewire.parameters import load_priors
 from musclewire.parameters._validation import shipped_names
 
 MINE = """name = "mine"

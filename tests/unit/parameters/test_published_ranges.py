@@ -10,9 +10,8 @@ import pytest
 from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
-from musclewire.parameters._library import load_alloy, load_wire, read_published
-from musclewire.parameters._published_ranges import PublishedRange, PublishedRanges, published_ranges
-from musclewire.parameters._validation import validated
+from musclewire.parameters import PublishedRange, load_alloy, load_wire, published_ranges, read_published, validated
+from musclewire.parameters._published_ranges import PublishedRanges
 
 sys.path.insert(0, str(CHECKOUT / "docs/images"))
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.parameters._seeds import require_seed
+from musclewire.parameters import require_seed
 from musclewire.rigs import RigConfiguration
 
 TAKERS: dict[str, Callable[[Any], Any]] = {

@@ -10,17 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from musclewire.parameters._catalogue import catalogue_row
-from musclewire.parameters._library import load_alloy, load_wire
-from musclewire.parameters._parameter_groups import Alloy
-from musclewire.parameters._validity import (
+from musclewire.parameters import (
+    Alloy,
     ReachedConditions,
     ValidityLimits,
     beyond_validity,
+    catalogue_row,
+    load_alloy,
+    load_wire,
     section_m2,
     validity_of,
+    wire_file_text,
 )
-from musclewire.parameters._wire_file import wire_file_text
 
 FLEXINOL = load_alloy("flexinol")
 LIMITS = validity_of(FLEXINOL)

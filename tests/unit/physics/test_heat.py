@@ -6,16 +6,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from musclewire.physics import (
+    air_thermal_conductivity_w_per_m_k,
+    convection_coefficient_w_per_m2_k,
+    convection_range_note,
+    nusselt_morgan,
+    rayleigh_of_wire,
+)
 from musclewire.physics._heat import (
     air_dynamic_viscosity_pa_s,
     air_prandtl,
-    air_thermal_conductivity_w_per_m_k,
     churchill_chu_from_k,
-    convection_coefficient_w_per_m2_k,
-    convection_range_note,
     nusselt_churchill_chu,
-    nusselt_morgan,
-    rayleigh_of_wire,
 )
 from musclewire.rigs import open_rig
 

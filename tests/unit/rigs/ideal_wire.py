@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from musclewire.controllers import ProtectionLimits
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._device import Answer, DeviceFacts, Metadata
+from musclewire.rigs import Answer, DeviceFacts, Metadata, open_rig
 from musclewire.signals import Command, Drive, RawSample
 
 PERIOD_S = 0.05

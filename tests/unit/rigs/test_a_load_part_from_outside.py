@@ -13,10 +13,7 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.manifest import Manifest, manifests
 from musclewire.parameters import load_wire
-from musclewire.rigs._configuration import open_rig, read_rig_file
-from musclewire.rigs._device import Metadata
-from musclewire.rigs._load_kinds import LOAD_PARTS
-from musclewire.rigs._load_part import Length, LoadPart, Stiffness
+from musclewire.rigs import LOAD_PARTS, Length, LoadPart, Metadata, Stiffness, open_rig, read_rig_file
 from musclewire.signals import Drive
 
 HEAD = '[[load]]\npart = "pretensioner"\nstiffness = "386.2 N/m"\n'

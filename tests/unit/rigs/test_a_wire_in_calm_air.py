@@ -8,8 +8,7 @@ import pytest
 from pydantic import ValidationError
 from tests.unit.rigs.ideal_wire import LIMITS, IdealWire
 
-from musclewire.rigs import MountedWire
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs import GuardedRig, MountedWire, ProtectionTripError
 
 
 def mounted(**keys: object) -> MountedWire:

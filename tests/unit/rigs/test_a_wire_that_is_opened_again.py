@@ -10,8 +10,8 @@ from tests.unit.rigs.ideal_wire import LIMITS, IdealWire
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError, remembered_by
+from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
+from musclewire.rigs._guarded import remembered_by
 from musclewire.rigs._remembered_temperature import Moment
 
 DRIVE_V = 5.0

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.rigs._compiled_loop.running import run_known_drive, uncompiled
-from musclewire.rigs._configuration import open_rig
+from musclewire.rigs import open_rig, run_known_drive, uncompiled
 
 
 def test_what_has_no_compiled_form_says_why() -> None:

@@ -20,10 +20,7 @@ from musclewire.parameters import (
     validated,
     wire_file_text,
 )
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration, open_rig, read_rig_file, rig_names
-from musclewire.rigs._device import HasTrueState
-from musclewire.rigs._guarded import GuardedRig
+from musclewire.rigs import GuardedRig, HasTrueState, RigConfiguration, ability, open_rig, read_rig_file, rig_names
 from musclewire.rigs._outside import OutsideConfiguration
 from musclewire.small_files import toml_text
 

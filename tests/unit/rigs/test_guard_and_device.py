@@ -9,21 +9,23 @@ import pytest
 
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError, NumericsError, RigError
-from musclewire.rigs._abilities import ability, required_true_state
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._device import (
+from musclewire.rigs import (
     SWITCHED_OFF,
     Answer,
     DeviceFacts,
     DeviceFault,
+    GuardedRig,
     HasOnBoardLoop,
     HasStage,
     HasTendonStage,
     HasTrueState,
     Metadata,
     Missing,
+    ProtectionTripError,
+    ability,
+    open_rig,
+    required_true_state,
 )
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
 from musclewire.signals import Command, Drive, RawSample, Target
 
 LIMITS = open_rig("simulated").protection_limits

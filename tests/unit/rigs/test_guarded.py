@@ -6,9 +6,7 @@ import pytest
 from tests.contract.altered_device import AlteredDevice
 
 from musclewire.controllers import State
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._device import Answer, HasStage
+from musclewire.rigs import Answer, HasStage, ability, open_rig
 
 
 def test_a_wire_that_was_cooled_between_two_runs_has_not_jumped() -> None:

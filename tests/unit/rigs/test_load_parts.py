@@ -9,7 +9,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import validated
-from musclewire.rigs._configuration import RigConfiguration, open_rig
+from musclewire.rigs import RigConfiguration, open_rig
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}
 FINGER = {"part": "finger", "finger": "lan-fan-2010"}

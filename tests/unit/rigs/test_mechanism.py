@@ -9,9 +9,8 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import FingerCurve, load_finger
-from musclewire.rigs._load_kinds import Parts
-from musclewire.rigs._load_parts import Blocked, Contact, Finger, Pretensioner, Spring, Weight
-from musclewire.rigs._mechanism import FingerTendon, SimulatedLoad, mechanism_of
+from musclewire.rigs import Contact, FingerTendon, Parts, SimulatedLoad, Spring, mechanism_of
+from musclewire.rigs._load_parts import Blocked, Finger, Pretensioner, Weight
 from musclewire.wire import ElasticObject
 
 LEG_M, BESIDE_N_PER_M = 0.035, 386.2

@@ -18,9 +18,9 @@ from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
 
 from musclewire.controllers import Event, State, largest_power_w_per_v2, protection_table
 from musclewire.errors import CallerError, RigError
+from musclewire.rigs import Answer, GuardedRig, Missing, ProtectionTripError
 from musclewire.rigs import _guarded as guarded_module
-from musclewire.rigs._device import Answer, Missing
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError, SecondThreadError
+from musclewire.rigs._guarded import SecondThreadError
 from musclewire.signals import Command, RawSample, Target
 
 SENSE_V = LIMITS.sense_voltage_v

@@ -12,15 +12,16 @@ from musclewire.errors import CallerError
 from musclewire.experiment import characterize
 from musclewire.parameters import catalogue_names, load_alloy, load_bench, load_wire
 from musclewire.rigs import (
+    OVERHEATED_K,
     MountedWire,
     RigConfiguration,
     open_rig,
+    own_circuit,
     parameters_of,
     read_rig_file,
 )
 from musclewire.rigs._own_voltages import (
     HOTTEST_K,
-    OVERHEATED_K,
     SHUNT_RANGE_V,
     HotWire,
     austenite_ohm,
@@ -28,7 +29,6 @@ from musclewire.rigs._own_voltages import (
     holding_voltage_v,
     hot_wire,
     hot_wire_on,
-    own_circuit,
 )
 
 NINE = list(itertools.product(("flexinol-0.10-ht", "flexinol-0.15-ht", "flexinol-0.25-ht"), (0.06, 0.1, 0.14)))

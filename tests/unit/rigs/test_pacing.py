@@ -9,11 +9,9 @@ import pytest
 
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError
+from musclewire.rigs import GuardedRig, ProtectionTripError, SamplePacer, adjustable_clock_of, open_rig
 from musclewire.rigs import _pacing as pacing
-from musclewire.rigs._abilities import adjustable_clock_of
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
-from musclewire.rigs._pacing import SPIN_S, SamplePacer
+from musclewire.rigs._pacing import SPIN_S
 
 READING_TAKES_S = 1e-6
 

@@ -13,8 +13,14 @@ import pytest
 
 import musclewire as mw
 from musclewire.errors import CallerError
-from musclewire.rigs._configuration import open_rig, read_rig_file, rig_configuration, simulated_configuration
-from musclewire.rigs._kinds import DEVICES, DeviceConfiguration
+from musclewire.rigs import (
+    DEVICES,
+    DeviceConfiguration,
+    open_rig,
+    read_rig_file,
+    rig_configuration,
+    simulated_configuration,
+)
 from musclewire.rigs._outside import imported
 from musclewire.signals import Recording
 

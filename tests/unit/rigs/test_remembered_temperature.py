@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from tests.unit.rigs.remembered_wire import AMBIENT_K, BOARD, LIMIT_K, LIMITS, NOW, REST_S, later
 
 from musclewire.errors import CallerError
+from musclewire.rigs import state_folder
 from musclewire.rigs._remembered_temperature import (
     AHEAD_S,
     SLEEP_S,
@@ -25,7 +26,6 @@ from musclewire.rigs._remembered_temperature import (
     file_name_of,
     opened,
     rest_s,
-    state_folder,
     text_of,
     this_moment,
     warmest_k,

@@ -12,7 +12,7 @@ import musclewire as mw
 from musclewire.controllers import Event, staircase
 from musclewire.errors import CallerError, RecordingError, RigError
 from musclewire.experiment import WaveformPolicy, run_on_rig
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs import GuardedRig, ProtectionTripError
 from musclewire.rigs._replay import ReplayDevice
 from musclewire.signals import RawSample, Recording
 

@@ -7,10 +7,7 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, RigError
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import RigConfiguration, open_rig, rig_names
-from musclewire.rigs._device import HasStage, HasTrueState
-from musclewire.rigs._guarded import GuardedRig
+from musclewire.rigs import GuardedRig, HasStage, HasTrueState, RigConfiguration, ability, open_rig, rig_names
 from musclewire.signals import RawSample
 
 PRETENSIONER = {"part": "pretensioner", "stiffness": "386.2 N/m"}

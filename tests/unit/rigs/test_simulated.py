@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._configuration import open_rig
-from musclewire.rigs._device import HasStage, HasTrueState
-from musclewire.rigs._guarded import GuardedRig
+from musclewire.rigs import GuardedRig, HasStage, HasTrueState, ability, open_rig
 from musclewire.signals import RawSample
 
 DRIVE_V = [0.3, 1.0, 3.0, 3.2, 2.0, 0.3]

@@ -10,10 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.parameters import load_wire
-from musclewire.rigs._abilities import ability
-from musclewire.rigs._air import AirModel, AirState, Surroundings
-from musclewire.rigs._configuration import RigConfiguration, open_rig
-from musclewire.rigs._device import HasTrueState
+from musclewire.rigs import HasTrueState, RigConfiguration, Surroundings, ability, open_rig
+from musclewire.rigs._air import AirModel, AirState
 from musclewire.signals import RawSample
 
 DT_S = 0.05

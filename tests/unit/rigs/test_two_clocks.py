@@ -8,8 +8,7 @@ import pytest
 from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
 
 from musclewire.controllers import Event, Protection
-from musclewire.rigs import Missing, _guarded
-from musclewire.rigs._guarded import GuardedRig, ProtectionTripError
+from musclewire.rigs import GuardedRig, Missing, ProtectionTripError, _guarded
 from musclewire.rigs._two_clocks import TwoClocks
 from musclewire.signals import RawSample
 

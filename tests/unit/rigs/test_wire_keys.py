@@ -12,8 +12,7 @@ import pytest
 from tests.places import CHECKOUT
 
 from musclewire.errors import CallerError
-from musclewire.rigs._configuration import SETTINGS, RigConfiguration, open_rig, read_rig_file
-from musclewire.rigs._mounted_wire import MountedWire
+from musclewire.rigs import SETTINGS, MountedWire, RigConfiguration, open_rig, read_rig_file
 
 BY_KEYS = """
 wire_length = "120 mm"

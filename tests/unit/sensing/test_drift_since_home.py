@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from musclewire.sensing._home_move import HomeMove
-from musclewire.sensing._model import SensingModel
+from musclewire.sensing import HomeMove, SensingModel
 
 MODEL = SensingModel(13.5, 17.5, (0.0405, -0.04), (0.0395, -0.04), 0.05, 0.95, resistance_noise_ohm=0.0)
 

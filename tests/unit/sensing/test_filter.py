@@ -14,17 +14,17 @@ from musclewire.errors import CallerError
 from musclewire.experiment import characterize, control
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, open_rig
-from musclewire.sensing import ESTIMATORS, EstimatorSetup, KnownSpring, SensingModel, estimates, force_model
-from musclewire.sensing._filter_estimator import (
-    FIRST_COVARIANCE,
-    N_CONSTANTS,
-    N_TABLES,
-    NUMBERS_ROW,
-    STATES,
+from musclewire.sensing import (
+    ESTIMATORS,
+    EstimatorSetup,
     FilterEstimator,
-    advanced,
+    KnownSpring,
+    SensingModel,
+    estimates,
+    force_model,
+    wire_model_of,
 )
-from musclewire.sensing._wire_model import wire_model_of
+from musclewire.sensing._filter_estimator import FIRST_COVARIANCE, N_CONSTANTS, N_TABLES, NUMBERS_ROW, STATES, advanced
 from musclewire.sensing._wire_tables import WireModel
 from musclewire.signals import Recording, WireSample
 

@@ -5,9 +5,8 @@ import pytest
 from loops import Loop, LoopMaker, noisy
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
-from musclewire.sensing._fitting import HotEnd, fit_branches, fit_loop, fit_segments
-from musclewire.sensing._model import SensingModel
-from musclewire.sensing._segments import find_segments
+from musclewire.sensing import HotEnd, SensingModel, find_segments, fit_branches, fit_loop
+from musclewire.sensing._fitting import fit_segments
 
 MAKER = LoopMaker()
 

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from loops import LoopMaker, noisy
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.sensing._gaps import hysteresis_gap, signed_hysteresis_gap
-from musclewire.sensing._segments import find_segments
+from musclewire.sensing import find_segments, hysteresis_gap, signed_hysteresis_gap
 
 Column = np.ndarray[tuple[int], np.dtype[np.float64]]
 

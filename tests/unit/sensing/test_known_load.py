@@ -5,11 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
+from musclewire.sensing import KnownSpring, PolynomialEstimator, SensingModel, estimates, force_model
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._estimator import estimates
-from musclewire.sensing._known_load import KnownSpring, force_model
-from musclewire.sensing._model import SensingModel
-from musclewire.sensing._polynomial_estimator import PolynomialEstimator
 from musclewire.signals import WireSample
 
 STRAIN = SensingModel(15.0, 17.0, (0.0352, -0.03), (0.0348, -0.03), 0.0, 1.0, rmse_heating=1e-4)

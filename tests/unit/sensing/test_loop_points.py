@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from loops import LoopMaker
 
+from musclewire.sensing import find_resistance_extremes, find_segments
 from musclewire.sensing._loop_points import fall_from_b_to_c
-from musclewire.sensing._resistance_extremes import find_resistance_extremes
-from musclewire.sensing._segments import find_segments
 
 MAKER = LoopMaker()
 

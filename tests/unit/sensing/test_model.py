@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.sensing._model import SensingModel
+from musclewire.sensing import SensingModel
 
 mpl.use("Agg")
 

@@ -12,8 +12,7 @@ import pytest
 from loops import LoopMaker, noisy
 
 from musclewire.errors import CallerError
-from musclewire.sensing._fitting import fit_loop
-from musclewire.sensing._model import SensingModel, load_model
+from musclewire.sensing import SensingModel, fit_loop, load_model
 
 Damage = Callable[[dict[str, Any]], object]
 

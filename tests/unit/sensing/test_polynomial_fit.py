@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.sensing._branch_equations import average, evaluate, normalised_resistance
-from musclewire.sensing._branches import Branch
+from musclewire.sensing import Branch, evaluate, normalised_resistance
+from musclewire.sensing._branch_equations import average
 from musclewire.sensing._polynomial_fit import choose_order, fit_points, fit_polynomial
 
 FRACTION = np.linspace(0.0, 1.0, 150)

@@ -5,7 +5,7 @@ import pytest
 from loops import LoopMaker, noisy
 
 from musclewire.errors import RecordingError
-from musclewire.sensing._resistance_extremes import find_resistance_extremes
+from musclewire.sensing import find_resistance_extremes
 
 MAKER = LoopMaker()
 

@@ -5,13 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.sensing._resistance_maximum import (
-    ResistanceMaximum,
-    first_maximum,
-    parabola_maximum,
-    resistance_maximum,
-)
-from musclewire.sensing._smoothing import noise_level, smooth, smoothed_noise, smoothing_window
+from musclewire.sensing import first_maximum, noise_level, parabola_maximum, smooth, smoothing_window
+from musclewire.sensing._resistance_maximum import ResistanceMaximum, resistance_maximum
+from musclewire.sensing._smoothing import smoothed_noise
 
 FALL_OHM, TOP_OHM = 2.34, 17.5
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from loops import Loop, LoopMaker, noisy, picked
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.sensing._segments import LoopSegments, find_loops, find_segments
+from musclewire.sensing import LoopSegments, find_loops, find_segments
 
 MAKER = LoopMaker()
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from musclewire.sensing import PolynomialEstimator, estimates, segment_course
 from musclewire.sensing._curve import ResistanceCurve
-from musclewire.sensing._estimator import estimates
-from musclewire.sensing._polynomial_estimator import PolynomialEstimator
-from musclewire.sensing._segment_tracking import segment_course
 from musclewire.signals import Reason, WireSample
 
 R_MIN, R_MAX = 15.0, 17.3

@@ -1,7 +1,7 @@
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.signals._columns import COLUMNS, known_column
+from musclewire.signals import COLUMNS, known_column
 
 
 def test_every_column_is_registered_under_its_own_name_and_says_what_it_is():

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._reading import read_hdf5
-from musclewire.signals._recording_writer import RecordingWriter
+from musclewire.signals import RecordingWriter, read_hdf5
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
 

@@ -2,10 +2,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._headers import match_columns, split_header
-from musclewire.signals._import_mapping import ImportMapping
+from musclewire.signals import ImportMapping, SourceColumn, TableInMemory, split_header
+from musclewire.signals._headers import match_columns
 from musclewire.signals._importing import plan_import
-from musclewire.signals._source_table import SourceColumn, TableInMemory
 
 
 def understand_headers(headers, mapping, path):

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 from musclewire.identify import import_recording, join_recordings
-from musclewire.signals._journal import encoded_rows, encoded_start, journal_of
-from musclewire.signals._reading import read_recording
-from musclewire.signals._recording import MINOR_LOOP_FROM, Recording
-from musclewire.signals._runs_on_disk import recover_recording
+from musclewire.signals import MINOR_LOOP_FROM, Recording, journal_of, read_recording, recover_recording
+from musclewire.signals._journal import encoded_rows, encoded_start
 
 ROWS, OF_CYCLES = 10, 6
 TIME_S = np.arange(1.0, ROWS + 1.0)

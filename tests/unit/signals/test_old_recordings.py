@@ -13,8 +13,7 @@ import h5py
 import numpy as np
 import pytest
 
-from musclewire.signals._reading import read_hdf5, read_recording
-from musclewire.signals._runs_on_disk import recover_recording
+from musclewire.signals import read_hdf5, read_recording, recover_recording
 
 OLD = Path(__file__).parent / "old_recordings"
 STATED = {

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import RecordingNotWrittenError
-from musclewire.signals import _open_journal
-from musclewire.signals._recording_writer import RecordingWriter
+from musclewire.signals import RecordingWriter, _open_journal
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc which file a descriptor is")
 ROW = {"time_s": 0.0, "force_n": 1.0}

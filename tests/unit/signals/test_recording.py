@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, MissingExtraError, RecordingError
-from musclewire.signals._recording import Recording
+from musclewire.signals import Recording
 
 
 @pytest.fixture

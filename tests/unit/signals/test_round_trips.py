@@ -12,11 +12,15 @@ from hypothesis import strategies as st
 from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError
-from musclewire.signals._columns import COLUMNS
-from musclewire.signals._metadata import checked_metadata, entry_from_text, value_to_text
-from musclewire.signals._reading import read_recording
-from musclewire.signals._recording import Recording
-from musclewire.signals._recording_writer import RecordingWriter
+from musclewire.signals import (
+    COLUMNS,
+    Recording,
+    RecordingWriter,
+    checked_metadata,
+    entry_from_text,
+    read_recording,
+    value_to_text,
+)
 
 TEXT_KEYS = ["wire", "rig", "software_version", "start_time", "ended", "note"]
 

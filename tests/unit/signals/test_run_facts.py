@@ -12,10 +12,8 @@ from musclewire.errors import RecordingError
 from musclewire.experiment import control_metrics, elapsed
 from musclewire.identify import fit, required_quantity
 from musclewire.judge import resistance_reading
-from musclewire.signals import reference_quantity
-from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._recording import Recording
-from musclewire.signals._run_facts import NumberFact, RunFacts
+from musclewire.signals import MetadataValue, Recording, RunFacts, reference_quantity
+from musclewire.signals._run_facts import NumberFact
 
 NUMBERS = [name for name, fact in vars(RunFacts).items() if isinstance(fact, NumberFact)]
 

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._hdf5 import describe_recording
-from musclewire.signals._journal import encoded_rows, encoded_start, journal_of
-from musclewire.signals._reading import read_hdf5, read_recording
-from musclewire.signals._recording import Recording
-from musclewire.signals._recording_writer import RecordingWriter
-from musclewire.signals._runs_on_disk import recover_recording
+from musclewire.signals import (
+    Recording,
+    RecordingWriter,
+    describe_recording,
+    journal_of,
+    read_hdf5,
+    read_recording,
+    recover_recording,
+)
+from musclewire.signals._journal import encoded_rows, encoded_start
 
 COLUMNS = ("time_s", "force_n")
 TABLE = np.arange(20.0).reshape(10, 2)

@@ -8,14 +8,8 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals._units import (
-    conversion_to_si,
-    measured_in,
-    measures,
-    parse_quantity,
-    quantity_with_suffix,
-    scale_between,
-)
+from musclewire.signals import measured_in, measures, parse_quantity, scale_between
+from musclewire.signals._units import conversion_to_si, quantity_with_suffix
 
 WHERE = "loop.csv: column 'Force'"
 

@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 from wire_makers import Array, alloy, bench, slow_sine_v, wire_100um
 
-from musclewire.wire._batch import drive_many
-from musclewire.wire._building import constants_of
-from musclewire.wire._distribution import BarrierClass, tabulated_distribution
-from musclewire.wire._paths import drive_path, isobaric_path
-from musclewire.wire._row import WireConstants
-from musclewire.wire._stepping import fixed_steps
+from musclewire.wire import (
+    BarrierClass,
+    WireConstants,
+    constants_of,
+    drive_many,
+    drive_path,
+    fixed_steps,
+    isobaric_path,
+    tabulated_distribution,
+)
 
 DRIVE_V = np.array([slow_sine_v(time_s) for time_s in 0.05 * np.arange(1800)])
 THERE_AND_BACK_K = np.concatenate([np.linspace(290.0, 430.0, 400), np.linspace(430.0, 290.0, 400)])

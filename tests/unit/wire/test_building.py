@@ -6,8 +6,7 @@ import pytest
 from wire_makers import alloy, bench, constants, wire_100um
 
 from musclewire.errors import CallerError
-from musclewire.wire._building import constants_from, resting_state, with_pretension
-from musclewire.wire._prescribed import total_strain
+from musclewire.wire import constants_from, resting_state, total_strain, with_pretension
 
 
 def test_the_constants_are_the_geometry_of_the_wire() -> None:

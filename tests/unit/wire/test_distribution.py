@@ -10,15 +10,12 @@ from scipy.stats import norm
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy
+from musclewire.wire import BarrierClass, OffsetDistribution, tabulated_distribution, two_populations
 from musclewire.wire._distribution import (
-    BarrierClass,
-    OffsetDistribution,
     of_classes,
     signed_power,
     signed_power_distribution,
-    tabulated_distribution,
     two_population_distribution,
-    two_populations,
 )
 
 SKEW = st.floats(-0.9, 0.9)

@@ -19,7 +19,7 @@ from wire_makers import (
     walk,
 )
 
-from musclewire.wire._row import WireConstants
+from musclewire.wire import WireConstants
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 KINDS = st.sampled_from(sorted(ALLOYS))

@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.wire._building import constants_from, resting_state
-from musclewire.wire._paths import drive_path
-from musclewire.wire._step import RunningWire
-from musclewire.wire._stepping import advance_heated
+from musclewire.wire import RunningWire, advance_heated, constants_from, drive_path, resting_state
 
 PERIOD_S = 0.05
 WIRE = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from wire_makers import alloy, bench, wire_100um
 
 from musclewire.parameters import Alloy, GrainQuantiles
-from musclewire.wire._building import constants_from, constants_of
-from musclewire.wire._distribution import tabulated_distribution, two_population_distribution, two_populations
-from musclewire.wire._paths import isobaric_path
+from musclewire.wire import constants_from, constants_of, isobaric_path, tabulated_distribution, two_populations
+from musclewire.wire._distribution import two_population_distribution
 
 FRACTION = (0.0, 0.17, 0.5, 0.9, 1.0)
 OFFSET = (-4.7, -1.0, 0.0, 1.4, 4.0)

@@ -11,8 +11,7 @@ import pytest
 from wire_makers import constants, stepped
 
 from musclewire.errors import CallerError
-from musclewire.wire._building import resting_state
-from musclewire.wire._row import WireState
+from musclewire.wire import WireState, resting_state
 
 WIRE = constants()
 

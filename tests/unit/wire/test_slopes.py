@@ -19,30 +19,22 @@ from musclewire.compiled import compiled
 from musclewire.physics import (
     REFERENCE_TEMPERATURE_K,
 )
-from musclewire.wire._balance import (
+from musclewire.wire import (
     ConnectorForce,
-    LoadPoint,
-    balance_at,
-    contraction_of,
-    convection_w_per_m2_k,
-    decay,
-    loss_w,
-    resistance_at,
-    strain_at,
-)
-from musclewire.wire._building import resting_state
-from musclewire.wire._fronts import (
-    PhaseFractions,
+    ConnectorLoad,
+    RunningWire,
     ShakedownEffects,
-    cumulative_at,
-    fronts_after,
-    phases_of_class,
+    WireConstants,
+    convection_w_per_m2_k,
+    load_at,
+    loss_w,
+    resting_state,
     shakedown_of,
+    solve,
     thresholds_at,
 )
-from musclewire.wire._loads import ConnectorLoad
-from musclewire.wire._row import WireConstants
-from musclewire.wire._step import RunningWire, load_at, solve
+from musclewire.wire._balance import LoadPoint, balance_at, contraction_of, decay, resistance_at, strain_at
+from musclewire.wire._fronts import PhaseFractions, cumulative_at, fronts_after, phases_of_class
 
 WIRES = {kind: constants(kind) for kind in ALLOYS}
 kinds = st.sampled_from(sorted(ALLOYS))

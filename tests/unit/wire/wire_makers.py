@@ -16,13 +16,18 @@ from scipy.optimize import brentq
 from musclewire.compiled import compiled
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K
-from musclewire.wire._building import constants_from
+from musclewire.wire import (
+    ConnectorLoad,
+    DrivenPath,
+    WireConstants,
+    WireMeans,
+    WireState,
+    advance,
+    constants_from,
+    drive_path,
+    fixed_steps,
+)
 from musclewire.wire._fronts import cumulative_at, fronts_after
-from musclewire.wire._loads import ConnectorLoad
-from musclewire.wire._paths import DrivenPath, drive_path
-from musclewire.wire._row import WireConstants, WireState
-from musclewire.wire._stepping import fixed_steps
-from musclewire.wire._wires import WireMeans, advance
 
 Array = NDArray[np.float64]
 

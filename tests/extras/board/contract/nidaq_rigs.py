@@ -12,7 +12,7 @@ from emulation.daq_bench import card_of
 from emulation.daq_server import DaqServer
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject, without_a_test
 
-from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board import NiDaqConfiguration
 from musclewire.extras.board._nidaq.device import NiDaqDevice, SilenceTimes
 from musclewire.extras.board._nidaq.output import GuardedOutput
 from musclewire.rigs import Answer, DeviceFacts, GuardedRig, Metadata, rig_configuration

@@ -17,7 +17,7 @@ from emulation.board import EmulatedBoard, firmware_for
 from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject
 from tests.tools import require_tool
 
-from musclewire.extras.board._serial.device import SerialConfiguration
+from musclewire.extras.board import SerialConfiguration
 from musclewire.rigs import GuardedRig, open_rig, rig_configuration
 
 __all__ = ["COLD_K", "SERIAL_RIGS", "SUBJECTS", "built_firmware", "mounted", "on_board", "unwatched"]

@@ -17,7 +17,7 @@ from tests.extras.board.contract.nidaq_rigs import wiring_of
 from tests.extras.board.contract.serial_rigs import BOARD, COLD_K, built_firmware, mounted, require_board
 
 from musclewire.controllers import Event, largest_power_w_per_v2, protection_table
-from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board import NiDaqConfiguration
 from musclewire.rigs import DeviceConfiguration, GuardedRig, ProtectionTripError, open_rig
 
 pytestmark = pytest.mark.emulated

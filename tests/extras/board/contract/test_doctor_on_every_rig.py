@@ -12,7 +12,7 @@ from tests.extras.board.contract.nidaq_rigs import COLD_K, NIDAQ_RIGS, DeviceAtS
 from tests.extras.board.contract.serial_rigs import SERIAL_RIGS
 
 from musclewire.experiment import Examination, examine
-from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board import NiDaqConfiguration
 from musclewire.rigs import GuardedRig, read_rig_file, shipped_rig_files
 
 RIGS = {**NIDAQ_RIGS, **SERIAL_RIGS}

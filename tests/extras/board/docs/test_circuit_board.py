@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.board._parts import load_parts
+from musclewire.extras.board import load_parts
 
 BOARD = CHECKOUT / "hardware/board"
 PARTS = {part.label: part for part in load_parts("board").part if part.symbol}

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from tests.places import CHECKOUT
 
-from musclewire.extras.board._parts import PartsList, load_parts, parts_names
+from musclewire.extras.board import PartsList, load_parts, parts_names
 
 sys.path.insert(0, str(CHECKOUT / "docs/images"))
 import board_circuit

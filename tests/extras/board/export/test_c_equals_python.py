@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from tests.extras.board.export.export_parts import RULE_BASES, Exported, compiled, export, models, settings_of
 
-from musclewire.extras.board._c.exercise import FAULTS, exercise, golden_ticks
+from musclewire.extras.board import exercise, golden_ticks
+from musclewire.extras.board._c.exercise import FAULTS
 from musclewire.physics import wire_resistance
 
 Libraries = Callable[[str], Exported]

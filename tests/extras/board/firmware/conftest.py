@@ -12,7 +12,7 @@ import pytest
 from emulation.board import EmulatedBoard, firmware_for
 from tests.tools import require_tool
 
-from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board import FrameParser, SerialFrame, encode_frame
 
 HELLO, ARM, DRIVE, TARGET, OFF, STREAM, KEEP, INJECT = 1, 2, 3, 4, 5, 6, 7, 0x7F
 IDENTITY, SAMPLE, EVENT, ACK = 0x81, 0x82, 0x83, 0x84

@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, RigError
+from musclewire.extras.board import FOLDER
 from musclewire.extras.board._serial import flash
-from musclewire.extras.board._serial.flash import FOLDER, find_image, firmware_images, require_sound
+from musclewire.extras.board._serial.flash import find_image, firmware_images, require_sound
 from musclewire.extras.board._serial.ports import SerialPort
 
 UNO = SerialPort("/dev/ttyACM0", "arduino-uno", "Arduino Uno")

@@ -11,7 +11,7 @@ import pytest
 from firmware.build import FIRMWARE, write_sources
 from tests.tools import require_tool
 
-from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board import FrameParser, SerialFrame, encode_frame
 
 TESTS = Path(__file__).with_name("host_tests.c")
 HEADER = FIRMWARE.parent / "src/musclewire/extras/board/c_library/mw_protect.h"

@@ -8,7 +8,7 @@ import pytest
 from serial.tools import list_ports, list_ports_common
 
 from musclewire.errors import RigError
-from musclewire.extras.board._serial.line import open_line
+from musclewire.extras.board import open_line
 from musclewire.extras.board._serial.ports import identity_of, ports_text, serial_ports
 from musclewire.rigs import rig_configuration
 

@@ -12,9 +12,9 @@ from tests.extras.board.firmware.test_the_small_cortex import said_by
 from tests.tools import require_tool
 
 from musclewire.experiment import characterize
+from musclewire.extras.board import SerialFrame
 from musclewire.extras.board._serial import flash
 from musclewire.extras.board._serial.flash import FirmwareImage, find_image, firmware_images
-from musclewire.extras.board._serial.frames import SerialFrame
 from musclewire.rigs import open_rig
 
 WIRES = [

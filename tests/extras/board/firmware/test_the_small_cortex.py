@@ -17,7 +17,7 @@ from emulation.board import firmware_for
 from tests.extras.board.firmware.conftest import PATIENCE_S
 from tests.tools import require_tool
 
-from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board import FrameParser, SerialFrame, encode_frame
 
 pytestmark = pytest.mark.emulated
 

@@ -10,7 +10,7 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.errors import CallerError
 from musclewire.experiment import Decision, run_on_rig
-from musclewire.extras.board._serial.frames import SerialFrame
+from musclewire.extras.board import SerialFrame
 from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import open_rig
 from musclewire.signals import Command, RawSample, Target, journal_of

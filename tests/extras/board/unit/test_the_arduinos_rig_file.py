@@ -9,8 +9,7 @@ import pytest
 from firmware.build import mounted_wire
 from tests.places import CHECKOUT
 
-from musclewire.extras.board._parts import load_parts
-from musclewire.extras.board._serial.device import SerialConfiguration
+from musclewire.extras.board import SerialConfiguration, load_parts
 from musclewire.rigs import rig_configuration
 
 FOLDER = CHECKOUT / "firmware" / "boards" / "arduino-uno"

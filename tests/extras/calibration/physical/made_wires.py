@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from musclewire.extras.calibration._physical.candidates import CandidateParameters, WireValues
+from musclewire.extras.calibration import CandidateParameters, WireValues
 from musclewire.identify import IsobaricLoop
 from musclewire.parameters import load_alloy, load_bench, load_priors, load_wire
 from musclewire.signals import Recording

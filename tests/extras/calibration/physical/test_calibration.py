@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
+from musclewire.extras.calibration import Calibration, calibrate
 from musclewire.extras.calibration._physical.advice import ExperimentAdvice, next_experiments, proposed
-from musclewire.extras.calibration._physical.calibrate import calibrate
-from musclewire.extras.calibration._physical.calibration import Calibration, save_wire
+from musclewire.extras.calibration._physical.calibration import save_wire
 from musclewire.extras.calibration._physical.calibration_report import channel_axes, write_report
 from musclewire.extras.calibration._physical.posterior import PosteriorProblem
 from musclewire.extras.calibration._physical.recording_kinds import observations_of

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_wires import candidates
 
-from musclewire.extras.calibration._physical.candidates import CandidateParameters, candidate_constants
+from musclewire.extras.calibration import CandidateParameters
+from musclewire.extras.calibration._physical.candidates import candidate_constants
 from musclewire.parameters import GrainQuantiles, load_alloy, load_bench, load_priors, load_wire
 from musclewire.wire import constants_from
 

@@ -10,7 +10,7 @@ from made_wires import BENCH, candidates, cooling, driven, isobars, slow_sine, t
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.extras.calibration._physical.calibrate import calibrate
+from musclewire.extras.calibration import calibrate
 from musclewire.extras.calibration._physical.driven import DrivenObservation
 from musclewire.extras.calibration._physical.observations import Observation, compare, even_clock
 from musclewire.extras.calibration._physical.recording_kinds import observable_parameters, observations_of, start_of

@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, NumericsError
+from musclewire.extras.calibration import SearchSettings
 from musclewire.extras.calibration._physical.search import (
     EFFORTS,
     ParallelProblem,
     SearchJournal,
     SearchResult,
-    SearchSettings,
     jacobian,
     search,
     settings_of_effort,

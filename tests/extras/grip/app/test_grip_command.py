@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.extras.grip._gripper_training import GripperKnowledge
+from musclewire.extras.grip import GripperKnowledge
 from musclewire.signals import read_recording
 
 

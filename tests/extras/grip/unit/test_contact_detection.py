@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from musclewire.errors import CallerError
-from musclewire.extras.grip._contact_detection import AirDisturbance, ContactDetector, ContactState, FreeClosing
+from musclewire.extras.grip import ContactDetector
+from musclewire.extras.grip._contact_detection import AirDisturbance, ContactState, FreeClosing
 
 FREE = FreeClosing(
     resistance_min_ohm=15.0,

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.extras.grip import GripperKnowledge, close_fingers, grip, load_knowledge, train_gripper, with_object
 from musclewire.extras.grip._contact_fitting import (
     KnownGrip,
     closing_of,
@@ -16,14 +17,7 @@ from musclewire.extras.grip._contact_fitting import (
     fit_grip_curve,
     thermal_time_s,
 )
-from musclewire.extras.grip._grip import GripRun, grip
-from musclewire.extras.grip._gripper_training import (
-    GripperKnowledge,
-    close_fingers,
-    load_knowledge,
-    train_gripper,
-    with_object,
-)
+from musclewire.extras.grip._grip import GripRun
 from musclewire.parameters import load_alloy, load_finger
 from musclewire.rigs import open_rig, rig_configuration
 from musclewire.signals import Recording

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.grip._contact_detection import ContactDetector, ContactState, FreeClosing
+from musclewire.extras.grip import ContactDetector
+from musclewire.extras.grip._contact_detection import ContactState, FreeClosing
 from musclewire.extras.grip._grip_force import GripCurve, fall_by_cooling
 
 # Two fingers whose endpoints move 6 mm while resistance falls through its range, lever 5 throughout.

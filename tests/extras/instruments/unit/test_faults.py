@@ -8,7 +8,8 @@ import pytest
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError
-from musclewire.extras.instruments._faults import OLD_KINDS, SimulatedFaults
+from musclewire.extras.instruments import SimulatedFaults
+from musclewire.extras.instruments._faults import OLD_KINDS
 from musclewire.parameters import validated
 from musclewire.rigs import ProtectionTripError, RigConfiguration, open_rig, uncompiled
 

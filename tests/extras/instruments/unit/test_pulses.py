@@ -11,8 +11,8 @@ import pytest
 from musclewire import open_rig
 from musclewire.errors import CallerError
 from musclewire.experiment import run_warnings
-from musclewire.extras.instruments._pulse_width import PulseWidth, duty_of, pulse_width_problems, unsettled_error
-from musclewire.extras.instruments._pulsed_device import PulsedDevice
+from musclewire.extras.instruments import PulsedDevice, PulseWidth, unsettled_error
+from musclewire.extras.instruments._pulse_width import duty_of, pulse_width_problems
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs import HasTrueState, RigConfiguration, SimulatedSpool, ability, uncompiled
 from musclewire.signals import Drive, RawSample, Recording

@@ -10,6 +10,7 @@ import pytest
 
 from musclewire.controllers import ControllerSetup, DriveLimits, PidSettings, pid_controller
 from musclewire.errors import CallerError
+from musclewire.extras.interfaces import simulated_wire
 from musclewire.extras.interfaces._control_systems import (
     LinearWire,
     OperatingPoint,
@@ -25,7 +26,6 @@ from musclewire.extras.interfaces._control_systems import (
 )
 from musclewire.extras.interfaces._control_systems.linearisation import Motion
 from musclewire.extras.interfaces._control_systems.operating_points import Branch
-from musclewire.extras.interfaces._simulated_wire import simulated_wire
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive, QuantityEstimate
 from musclewire.wire import WireState, advance, resting_state

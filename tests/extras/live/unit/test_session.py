@@ -14,7 +14,7 @@ from tests.extras.live.bench_stand_in import BenchStandIn
 
 from musclewire.controllers import protection_table
 from musclewire.errors import RigError
-from musclewire.extras.live import _silence
+from musclewire.extras.live import Session, _silence
 from musclewire.extras.live._bench.orders import NumberedOrder
 from musclewire.extras.live._client import POLL_S
 from musclewire.extras.live._server import application, bench_routes
@@ -22,7 +22,6 @@ from musclewire.extras.live._server import session as server_session
 from musclewire.extras.live._server.access import LEASE_AT_REST_S
 from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.running import ListenAddress, ServerSettings, configuration
-from musclewire.extras.live._server.session import Session
 from musclewire.extras.live._silence import LEASE_S
 
 BENCH = "http://localhost/api/v1/benches/simulated"

@@ -15,7 +15,7 @@ import pytest
 from tests.published.page_parts import Outside
 from tests.tools import require_package
 
-from musclewire.extras.paper._known_failures import known_failures
+from musclewire.extras.paper import known_failures
 from musclewire.extras.paper._page.paper_figures import FIGURES
 from musclewire.extras.paper._reproduce import DEFAULT_SEEDS, all_checks
 

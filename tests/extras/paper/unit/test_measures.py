@@ -12,13 +12,12 @@ from hypothesis import strategies as st
 from scipy.stats import spearmanr
 
 from musclewire.errors import RecordingError
+from musclewire.extras.paper import lowest_place, outside_band
 from musclewire.extras.paper._reproduce.measures import (
     largest_distance,
-    lowest_place,
     off_line_pct,
     off_place_pct,
     one_sided_fraction,
-    outside_band,
     rank_correlation,
 )
 from musclewire.extras.paper._reproduce.section3 import distance_of_models_pct

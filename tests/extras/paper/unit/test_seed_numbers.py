@@ -7,10 +7,8 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.extras.paper import SeedCallbacks, SeedResult, all_checks, numbers_of_seeds
 from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduce, reproduction, selected
-from musclewire.extras.paper._reproduce.all_checks import all_checks
-from musclewire.extras.paper._reproduce.paper_checks import SeedResult
-from musclewire.extras.paper._reproduce.reproduction import SeedCallbacks, numbers_of_seeds
 
 SEEDS = (3, 1, 4, 8)
 

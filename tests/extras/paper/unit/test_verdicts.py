@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
+from musclewire.extras.paper import ReproductionRow
 from musclewire.extras.paper._reproduce import PaperCheck, SeedResult, counts_by_origin, row_of_check
 from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
-from musclewire.extras.paper._reproduce.verdicts import ReproductionRow, median_interval, spread_of
+from musclewire.extras.paper._reproduce.verdicts import median_interval, spread_of
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
 

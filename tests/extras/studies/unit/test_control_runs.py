@@ -6,8 +6,8 @@ import pytest
 from tests.extras.studies.unit.study_parts import study_of
 
 import musclewire as mw
+from musclewire.extras.studies import Workers, sweep
 from musclewire.extras.studies._design import run_seed
-from musclewire.extras.studies._study import Workers, sweep
 
 RUN = {
     "kind": "control",

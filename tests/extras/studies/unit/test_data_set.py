@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from tests.extras.studies.unit.study_parts import study_of
 
+from musclewire.extras.studies import StudyResult, read_study
 from musclewire.extras.studies._data_set import on_grid
-from musclewire.extras.studies._study import StudyResult, joined, read_study
+from musclewire.extras.studies._study import joined
 
 
 def result_of(series: bool = False) -> StudyResult:

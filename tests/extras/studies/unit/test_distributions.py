@@ -9,13 +9,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._varied_parameters import (
-    GridAxis,
-    ParameterTable,
-    SampledParameter,
-    parameter_of,
-    quantile_function,
-)
+from musclewire.extras.studies import ParameterTable
+from musclewire.extras.studies._varied_parameters import GridAxis, SampledParameter, parameter_of, quantile_function
 
 # Of the standard normal distribution, as every table prints it.
 NORMAL_975 = 1.959964

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._study import read_study
+from musclewire.extras.studies import read_study
 
 STUDY = """
 format = "musclewire-study"

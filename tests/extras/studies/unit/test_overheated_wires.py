@@ -11,8 +11,8 @@ import pytest
 from tests.extras.studies.unit.study_parts import study_of
 
 import musclewire as mw
-from musclewire.extras.studies._data_set import read_columns, read_study_data
-from musclewire.extras.studies._study import Workers, sweep
+from musclewire.extras.studies import Workers, read_study_data, sweep
+from musclewire.extras.studies._data_set import read_columns
 from musclewire.small_files import toml_text
 
 HERE = Workers(processes=1)

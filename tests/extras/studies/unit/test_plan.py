@@ -8,7 +8,7 @@ import pytest
 from tests.extras.studies.unit.study_parts import study_of
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._study import read_study
+from musclewire.extras.studies import read_study
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from tests.extras.studies.unit.study_parts import study_of
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._study import Workers, sweep
+from musclewire.extras.studies import Workers, sweep
 from musclewire.extras.studies._varied_rig import VariedRig, keys_of
 from musclewire.identify import fit, loop_gaps
 from musclewire.parameters import GrainQuantiles, load_alloy, load_bench, load_wire, wire_file_text

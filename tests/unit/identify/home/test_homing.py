@@ -12,9 +12,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.experiment import HomeSweep, characterize, plan_for, run_on_rig
-from musclewire.identify import homed_model
-from musclewire.identify._home.warming import has_levelled
-from musclewire.identify._sensing_model import fit
+from musclewire.identify import fit, has_levelled, homed_model
 from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording

@@ -8,8 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from wire_makers import ALLOYS, Fronts, constants, fractions, run, slow_sine_v, stepped, stored_heat_j
 
-from musclewire.wire._building import resting_state, with_pretension
-from musclewire.wire._row import WireConstants, WireState
+from musclewire.wire import WireConstants, WireState, resting_state, with_pretension
 
 WIRES = {kind: constants(kind) for kind in ALLOYS} | {"new": constants(new_wire=True)}
 HISTORIES = st.lists(st.tuples(st.floats(0.0, 3.6), st.integers(1, 2500)), min_size=1, max_size=12)

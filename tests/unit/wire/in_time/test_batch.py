@@ -7,13 +7,18 @@ import pytest
 from wire_makers import Array, constants
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.wire._batch import COLUMNS, WireBatch, drive_many
-from musclewire.wire._building import resting_state
-from musclewire.wire._loads import with_table
-from musclewire.wire._paths import drive_path
-from musclewire.wire._row import WireConstants
-from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._wires import advance
+from musclewire.wire import (
+    StepControl,
+    WireBatch,
+    WireConstants,
+    advance,
+    drive_many,
+    drive_path,
+    fixed_steps,
+    resting_state,
+    with_table,
+)
+from musclewire.wire._batch import COLUMNS
 
 SAMPLE_S, SAMPLES = 0.05, 60
 TEN_MS, CHOSEN = fixed_steps(0.01), StepControl()

@@ -8,11 +8,7 @@ import numpy as np
 import pytest
 from wire_makers import constants, slow_sine_v
 
-from musclewire.wire._batch import WireBatch
-from musclewire.wire._building import resting_state
-from musclewire.wire._fronts import shakedown_of
-from musclewire.wire._paths import drive_path
-from musclewire.wire._stepping import StepControl, fixed_steps
+from musclewire.wire import StepControl, WireBatch, drive_path, fixed_steps, resting_state, shakedown_of
 
 SAMPLE_S = 0.05
 ONE_CYCLE_V = np.array([slow_sine_v(time_s, 6.0, 10.0) for time_s in np.arange(0.0, 10.0, SAMPLE_S)])

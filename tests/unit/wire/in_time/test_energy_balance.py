@@ -9,9 +9,7 @@ import pytest
 from wire_makers import ALLOYS, Array, alloy, bench, constants, driven, slow_sine_v, wire_100um
 
 from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.wire._building import resting_state
-from musclewire.wire._paths import DrivenPath
-from musclewire.wire._row import WireConstants, WireState
+from musclewire.wire import DrivenPath, WireConstants, WireState, resting_state
 
 DT_S = 1e-3
 CYCLE_V = np.array([slow_sine_v(t) for t in np.arange(0.05, 90.0, 0.1)])

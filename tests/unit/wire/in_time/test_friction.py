@@ -12,11 +12,7 @@ from hypothesis import strategies as st
 from kernel_friction import Case, case_of, shown
 from wire_makers import constants
 
-from musclewire.wire._building import resting_state
-from musclewire.wire._loads import spring_load, with_table
-from musclewire.wire._row import WireState
-from musclewire.wire._stepping import fixed_steps
-from musclewire.wire._wires import advance
+from musclewire.wire import WireState, advance, fixed_steps, resting_state, spring_load, with_table
 
 
 @pytest.mark.parametrize("step_s", [1e-3, 20e-3])

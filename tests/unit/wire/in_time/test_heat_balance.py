@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 from wire_makers import constants, stepped
 
 from musclewire.physics import convection_coefficient_w_per_m2_k
-from musclewire.wire._building import resting_state
-from musclewire.wire._row import WireConstants, WireState
+from musclewire.wire import WireConstants, WireState, resting_state
 
 # Cold martensite at any temperature reached here, and no latent heat.
 INERT = {"latent_heat_j_per_kg": 0.0, "martensite_temperature_k": 3000.0, "r_phase_temperature_k": 300.0}

@@ -22,9 +22,15 @@ from wire_makers import (
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire, published_ranges
-from musclewire.wire._building import constants_from, resting_state
-from musclewire.wire._loads import ConnectorLoad, spring_load, with_table
-from musclewire.wire._row import WireConstants, WireState
+from musclewire.wire import (
+    ConnectorLoad,
+    WireConstants,
+    WireState,
+    constants_from,
+    resting_state,
+    spring_load,
+    with_table,
+)
 
 REACH_M = 7e-3
 SMOOTH = {"guide_friction_n": 0.0}

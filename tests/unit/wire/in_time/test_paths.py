@@ -9,10 +9,7 @@ import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.wire._building import constants_from, resting_state
-from musclewire.wire._paths import drive_path, isobaric_path
-from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._wires import advance
+from musclewire.wire import StepControl, advance, constants_from, drive_path, fixed_steps, isobaric_path, resting_state
 
 CONSTANTS = constants_from(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"))
 FIVE_MS = fixed_steps(5e-3)

@@ -11,11 +11,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wire_makers import constants, stored_heat_j
 
-from musclewire.wire._batch import WireBatch
-from musclewire.wire._paths import drive_path, heated_state
-from musclewire.wire._row import WireConstants, WireState
-from musclewire.wire._stepping import StepControl, fixed_steps
-from musclewire.wire._wires import WireMeans, advance
+from musclewire.wire import (
+    StepControl,
+    WireBatch,
+    WireConstants,
+    WireMeans,
+    WireState,
+    advance,
+    drive_path,
+    fixed_steps,
+    heated_state,
+)
 
 WIRE = constants()
 NEW = constants(new_wire=True, bench_values={"lead_resistance_ohm": 0.2, "shunt_resistance_ohm": 1.5})

@@ -7,7 +7,7 @@ import pytest
 from wire_makers import constants, driven, stored_heat_j
 
 from musclewire.errors import CallerError
-from musclewire.wire._paths import heated_state, isobaric_path
+from musclewire.wire import heated_state, isobaric_path
 
 AMBIENT_K = 295.15
 

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.board._nidaq.configuration import NiDaqConfiguration
+from musclewire.extras.board import NiDaqConfiguration
 from musclewire.parameters import validated
 from musclewire.rigs import rig_configuration
 

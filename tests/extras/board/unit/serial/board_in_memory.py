@@ -12,9 +12,7 @@ from math import nan
 from typing import Any
 
 from musclewire.controllers import Event
-from musclewire.extras.board._serial.board import Board
-from musclewire.extras.board._serial.device import SerialConfiguration, SerialDevice
-from musclewire.extras.board._serial.frames import FrameParser, SerialFrame, encode_frame
+from musclewire.extras.board import Board, FrameParser, SerialConfiguration, SerialDevice, SerialFrame, encode_frame
 from musclewire.extras.board._serial.line import LineLostError
 from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
 from musclewire.extras.board._serial.messages import MessageKind

@@ -7,7 +7,8 @@ import socket
 import pytest
 
 from musclewire.errors import RigError
-from musclewire.extras.board._serial.line import LineLostError, SerialLine, open_line
+from musclewire.extras.board import open_line
+from musclewire.extras.board._serial.line import LineLostError, SerialLine
 
 
 def test_what_is_written_to_a_loop_comes_back_and_nothing_else() -> None:

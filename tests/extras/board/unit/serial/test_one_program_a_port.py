@@ -16,8 +16,8 @@ import pytest
 import serial
 
 from musclewire.errors import RigError
+from musclewire.extras.board import open_line
 from musclewire.extras.board._serial import line as line_module
-from musclewire.extras.board._serial.line import open_line
 from musclewire.extras.board._serial.ports import PortHolder, holder_of, locking_processes, program_of
 from musclewire.rigs import shipped_rig_files
 

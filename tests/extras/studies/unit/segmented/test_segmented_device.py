@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.studies._segmented.conditions import Conditions, LocalDraughts, steady
-from musclewire.extras.studies._segmented.device import SegmentedDevice, SegmentedSpool
-from musclewire.extras.studies._segmented.instruments import InstrumentSettings
+from musclewire.extras.studies import (
+    Conditions,
+    InstrumentSettings,
+    LocalDraughts,
+    SegmentedDevice,
+    SegmentedSpool,
+    steady,
+)
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs import GuardedRig, HasStage, ability, open_rig, required_true_state
 from musclewire.signals import RawSample

@@ -12,15 +12,16 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.studies._segmented.conditions import Conditions
-from musclewire.extras.studies._segmented.structure import (
+from musclewire.extras.studies import (
+    Conditions,
     NormalMixture,
+    SegmentedWire,
     WireAgeing,
     WireStructure,
     fin_length_m,
     mixture_distribution,
 )
-from musclewire.extras.studies._segmented.wire import DEFAULT_STEP_S, SegmentedWire
+from musclewire.extras.studies._segmented.wire import DEFAULT_STEP_S
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.wire import BarrierClass, OneWire, StepControl, constants_from
 
