@@ -73,7 +73,7 @@ def judged_units(table: SourceTable, match: HeaderMatch) -> ImportMapping | None
 
     Voltage and current have to give a resistance that a wire has, and a power that heats one.
     """
-    items: list[UndecidedHeader] = [item for item in match.undecided if " has no unit: " in item.message]
+    items: list[UndecidedHeader] = [item for item in match.undecided if item.lacks_unit]
     if len(items) < len(match.undecided) or any(item.column not in _UNITS_OF for item in items):
         return None
     items += _by_words(table, match, {item.column for item in items} | {item.column for item in match.taken})

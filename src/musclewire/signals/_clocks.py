@@ -83,6 +83,7 @@ class NoClock:
     index: int
     message: str
     offered: str | None = None
+    lacks_unit: bool = False
 
 
 @dataclass
@@ -270,7 +271,7 @@ def _numeric_clock(rows: FirstRows, index: int, given: str | None, mapped: bool)
         clock = Clock(header, (index,), unit, factor, step_s=step * factor)
         return 7 if not sure else 0 if named or mapped else 2, _with_wraps(clock, values)
     if not rising:
-        return NoClock(index, _no_unit(rows, index)) if named and not mapped else None
+        return NoClock(index, _no_unit(rows, index), lacks_unit=True) if named and not mapped else None
     if (epoch := _epoch_of(values)) is not None:
         factor = _factor(epoch[0]) or 1.0
         return 1 if named else 3, Clock(header, (index,), epoch[0], factor, step_s=step * factor, words=epoch[1])
@@ -280,7 +281,7 @@ def _numeric_clock(rows: FirstRows, index: int, given: str | None, mapped: bool)
         unit, words = f"{rows.period_s:g} s", f"it counts the rows, one every {rows.period_s:g} s"
         return 6, Clock(header, (index,), unit, rows.period_s, counts=True, step_s=rows.period_s, words=words)
     if named or mapped:
-        return NoClock(index, _no_unit(rows, index), _unit_offered(values, rows.period_s))
+        return NoClock(index, _no_unit(rows, index), _unit_offered(values, rows.period_s), lacks_unit=True)
     return None
 
 

@@ -70,6 +70,7 @@ class UndecidedHeader:
     index: int
     column: str
     message: str
+    lacks_unit: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,10 @@ class HeaderMatch:
     taken: tuple[MatchedHeader, ...]
     ignored: tuple[IgnoredHeader, ...]
     undecided: tuple[UndecidedHeader, ...] = ()
+
+
+class _NoUnitError(RecordingError):
+    """Nothing states the unit of a column."""
 
 
 class _AbsentHeaderError(RecordingError):
@@ -352,7 +357,7 @@ def _taken_or_undecided(
     try:
         return _taken(header, index, column, unit, "synonym", path)
     except RecordingError as problem:
-        return UndecidedHeader(header, index, column.name, str(problem))
+        return UndecidedHeader(header, index, column.name, str(problem), isinstance(problem, _NoUnitError))
 
 
 def _own_column(name: str) -> Column | None:
@@ -394,7 +399,7 @@ def _taken(
     if unit is None and column.unit:
         # The message suggests the SI unit, which the column needs in the end.
         bare = header.strip()
-        raise RecordingError(
+        raise _NoUnitError(
             f"{path}: column '{bare}' has no unit: write '{bare} [{column.unit}]' in the header "
             f"or map it: {column.name}={bare}:{column.unit}"
         )

@@ -286,7 +286,7 @@ def _clock_header(
     """Return the clock as the headers of other columns are matched."""
     if no_clock is not None:
         header = table.columns[no_clock.index].header
-        return UndecidedHeader(header, no_clock.index, "time_s", no_clock.message)
+        return UndecidedHeader(header, no_clock.index, "time_s", no_clock.message, no_clock.lacks_unit)
     if clock is None:
         return None
     name, stated = name_and_unit(table.columns[clock.indices[0]])
@@ -712,7 +712,7 @@ def _notes(
 def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
     """Return the first reason why a table cannot be read, or ""."""
     if plan.match.undecided:
-        return plan.match.undecided[0].message
+        return _undecided(plan.match.undecided, plan.table.path)
     found = set(plan.names)
     path, listed = plan.table.path, ", ".join(f"'{header}'" for header in headers[:12])
     listed += ", ..." if len(headers) > 12 else ""
@@ -750,6 +750,17 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
         f"the sample period, as '10 ms'; without a clock a printed loop needs {', '.join(BRANCH_TABLE)}, "
         f"isobars need {', '.join(ISOBAR_TABLE)}, pulses {', '.join(PULSE_TABLE)}"
     )
+
+
+def _undecided(items: Sequence[UndecidedHeader], path: str) -> str:
+    """Return what has to be decided first; of several columns without a unit all at once."""
+    bare = [item for item in items if item.lacks_unit]
+    if len(bare) < 2 or not items[0].lacks_unit:
+        return items[0].message
+    headers = ", ".join(f"'{item.header}'" for item in bare)
+    mapped = ", ".join(f"{item.column}={item.header}:{COLUMNS[item.column].unit}" for item in bare)
+    example = f"{bare[0].header} [{COLUMNS[bare[0].column].unit}]"
+    return f"{path}: columns {headers} have no unit: write it in the headers, as '{example}', or map them: {mapped}"
 
 
 def _rms_and_mean(match: HeaderMatch) -> str:

@@ -153,3 +153,8 @@ def test_what_is_wrong_with_a_mapping_by_number_is_said(tmp_path, mapping, words
     path = tmp_path / "machine.txt"
     path.write_text(MACHINE)
     assert words in refusal(path, columns=mapping)
+
+
+def test_all_columns_without_a_unit_are_named_at_once(tmp_path):
+    (tmp_path / "a.csv").write_text("Time,Voltage,Current\n0,1.0,0.1\n0.5,1.1,0.11\n1,1.2,0.12\n")
+    assert "columns 'Time', 'Voltage', 'Current' have no unit" in refusal(tmp_path / "a.csv")
