@@ -52,11 +52,15 @@ class RunningServer(NamedTuple):
 
 @contextmanager
 def running_server(
-    folder: Path, *options: str, rigs: Sequence[str] = ("simulated",), files: int | None = None
+    folder: Path,
+    *options: str,
+    rigs: Sequence[str] = ("simulated",),
+    files: int | None = None,
+    program: Sequence[str] = ("-m", "musclewire"),
 ) -> Iterator[RunningServer]:
     """Run ``musclewire serve`` in a folder until the block ends; on a port that is free, with so many open files."""
     errors = folder / "stderr.txt"
-    command = [sys.executable, "-m", "musclewire", "serve", *rigs, "--output", str(folder / "session"), *options]
+    command = [sys.executable, *program, "serve", *rigs, "--output", str(folder / "session"), *options]
     if files is not None:
         command = ["prlimit", f"--nofile={files}", *command]
     with errors.open("w") as file:

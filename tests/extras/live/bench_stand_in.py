@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from musclewire.extras.live._messages import Answer
 from musclewire.extras.live._ring import RingRows
+from musclewire.extras.live._silence import LEASE_S
 
 COLUMNS = ("time_s", "run_s", "drive_voltage_v", "wire_voltage_v", "shunt_voltage_v")
 
@@ -19,6 +21,7 @@ class BenchStandIn:
 
     def __init__(self, identifier: str = "simulated") -> None:
         self.identifier = identifier
+        self.settings = SimpleNamespace(max_silence_s=LEASE_S)
         self.state: dict[str, Any] = {
             "bench": identifier,
             "revision": 1,

@@ -42,8 +42,9 @@ class BenchSettings:
     seed: int | None = None
     cpu: int | None = None  # core that the process is pinned to
     priority: bool = False
-    # A run that heats ends if whoever has control gives no sign for this long: with it the wire is safe within a second
-    # of a lost connection. A test that is not about this gives more, since a busy machine starves it.
+    # A run that heats ends, and its lease, if whoever has control gives no sign for this long: with it the wire is safe
+    # within a second of a lost connection. No option sets it; a test that is not about it gives more, as a busy machine
+    # starves it.
     max_silence_s: float = LEASE_S
 
 

@@ -1,11 +1,14 @@
-"""A really started ``musclewire serve`` on the simulated rig, and what it says over its API: never by the page."""
+"""A really started ``musclewire serve`` on the simulated rig, and what it says over its API: never by the page.
+
+Its lease is longer than a user's, unless a test is about the lease itself.
+"""
 
 from __future__ import annotations
 
 import json
 import time
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -18,6 +21,7 @@ BENCH = "simulated"
 # Only so that a fault does not hang a test: compiling may come before everything else.
 MAX_START_S, MAX_WAIT_S = 180.0, 60.0
 # Proxies of the environment are for other machines.
+LONG_LEASE = Path(__file__).with_name("long_lease.py")
 DIRECT = urllib.request.build_opener(urllib.request.ProxyHandler({}))
 
 
@@ -133,9 +137,9 @@ class Rows:
 
 
 @contextmanager
-def serving(folder: Path, *arguments: str) -> Iterator[Served]:
+def serving(folder: Path, *arguments: str, program: Sequence[str] = (str(LONG_LEASE),)) -> Iterator[Served]:
     """Start ``musclewire serve`` with a folder named ``session``, and end it."""
-    with running_server(folder.parent, *arguments, rigs=()) as server:
+    with running_server(folder.parent, *arguments, rigs=(), program=program) as server:
         served = Served(server, folder)
         served.until_phase("off", max_wait_s=MAX_START_S)
         try:

@@ -116,7 +116,7 @@ class Leases(RuleBasedStateMachine):
     @rule()
     def is_looked_after(self) -> None:
         self.control.end_lost(self.now_s)
-        assert self.control.holder is None or self.control.holder.is_there(self.now_s)
+        assert self.control.holder is None or self.control.holder.is_there(self.now_s, LEASE_S)
 
     @invariant()
     def nobody_has_control_without_a_recent_sign(self) -> None:

@@ -43,7 +43,7 @@ class ControlClient:
     name: str  # what others see
     seen_s: float  # when they last gave a sign
 
-    def is_there(self, now_s: float, lease_s: float = LEASE_S) -> bool:
+    def is_there(self, now_s: float, lease_s: float) -> bool:
         """Return whether they gave a sign recently enough."""
         return now_s - self.seen_s <= lease_s
 

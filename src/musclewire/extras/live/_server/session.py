@@ -25,7 +25,7 @@ from musclewire.extras.live._server.frames import FrameMaker, RowFrame
 from musclewire.extras.live._server.json_texts import compact
 from musclewire.extras.live._server.socket_messages import ControlMessage, Hello, Ping
 from musclewire.extras.live._server.viewers import Viewer
-from musclewire.extras.live._silence import LEASE_S, PING_S, ListeningClock
+from musclewire.extras.live._silence import PING_S, ListeningClock
 
 if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
@@ -208,7 +208,8 @@ class Session:
         """Take control from holders who are no longer there; a heated run of theirs ends."""
         now_s = self._clock.now_s()
         for bench in self.benches.values():
-            bench.control.lease_s = LEASE_S if bench.handle.state.get("doing") else LEASE_AT_REST_S
+            silence_s = bench.handle.settings.max_silence_s
+            bench.control.lease_s = silence_s if bench.handle.state.get("doing") else LEASE_AT_REST_S
             asked = bench.control.asking
             lost = bench.control.end_lost(now_s)
             if lost is not None:
@@ -238,7 +239,8 @@ class Session:
         for viewer in self.viewers.values():
             viewer.say(Ping(n=self._ping).model_dump_json())
         for bench in self.benches.values():
-            if bench.control.holder is not None and bench.control.holder.is_there(now_s):
+            holder = bench.control.holder
+            if holder is not None and holder.is_there(now_s, bench.handle.settings.max_silence_s):
                 bench.handle.alive()
 
     def send_news(self) -> None:
