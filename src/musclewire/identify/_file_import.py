@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 
 from musclewire.arrays import FloatArray
@@ -95,8 +96,7 @@ def import_recording(
         problem = file.first_problem()
     # A file may be readable, and what was measured of the wire may have names that are not known.
     proposal = _read_by(Path(path), wanted, file.cure(problem))
-    judged = file.judged({**file.plan.metadata, **file.tally.noted})
-    said = (*(judged.findings if judged is not None else ()), *file.readings.notes)
+    said = (*(file.judged.findings if file.judged is not None else ()), *file.readings.notes)
     return interpretation_of(file.plan, file.tally, said, "" if problem is None else str(problem), proposal)
 
 
@@ -137,9 +137,10 @@ class JudgedFile:
         left_out = self.tally.dropped / (self.tally.dropped + self.tally.row_count)
         return left_out <= MAX_LEFT_OUT and self.readings.is_of_a_wire(self.plan.metadata)
 
-    def judged(self, metadata: Mapping[str, MetadataValue]) -> JudgedReadings | None:
-        """Return which of the rows read are measurements; None if there are none to judge, or too many."""
-        return self.readings.judged(metadata)
+    @cached_property
+    def judged(self) -> JudgedReadings | None:
+        """Which of the rows read are measurements; None if there are none to judge, or too many."""
+        return self.readings.judged({**self.plan.metadata, **self.tally.noted})
 
     def cure(self, problem: RecordingError | None) -> ImportMapping | None:
         """Return what to add to the mapping against a problem, or for what more of a file without one may be read."""
@@ -166,7 +167,7 @@ class JudgedFile:
         # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come
         # first.
         buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
-        judged = self.judged(self.plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
+        judged = self.readings.judged(self.plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
         found = "; ".join(judged.findings) if judged is not None else ""
         noted = {**self.tally.noted, **({"unusable_readings": found} if found else {})}
         metadata = checked_metadata({**self.tally.started, **self.plan.metadata, **noted})
@@ -188,6 +189,5 @@ class JudgedFile:
         none = next((name for name in ("shunt_voltage_v", "wire_current_a") if ranges.get(name) == (0.0, 0.0)), None)
         if none is not None:
             raise RecordingError(f"{path}: {none} is 0 in every row: no current was measured, record it again")
-        judged = self.judged(self.plan.metadata)
-        if judged is not None and judged.contradiction:
-            raise RecordingError(f"{path}: {judged.contradiction}")
+        if self.judged is not None and self.judged.contradiction:
+            raise RecordingError(f"{path}: {self.judged.contradiction}")
