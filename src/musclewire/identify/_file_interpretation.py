@@ -24,8 +24,10 @@ from musclewire.signals import (
     split_header,
 )
 
-# Headers that are listed, and rows and cells that are shown, of a file that holds many.
-MAX_LISTED, SHOWN_ROWS, SHOWN_CELLS = 20, 3, 12
+# What a report shows of a file that holds more:
+MAX_LISTED = 20  # ignored headers
+SHOWN_ROWS = 3
+SHOWN_CELLS = 12  # of each row
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,9 @@ from musclewire.errors import RecordingError
 from musclewire.parameters import Alloy, Bench, Wire
 from musclewire.wire import constants_from, isobaric_path
 
-COLDEST_K, HOTTEST_K = 303.15, 413.15
+# A loop begins at 30 C and ends at 140 C, up to which wires are driven by default.
+COLDEST_K = 303.15
+HOTTEST_K = 413.15
 FRACTIONS = (0.1, 0.5, 0.9)
 
 

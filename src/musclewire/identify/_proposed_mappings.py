@@ -42,8 +42,9 @@ _WORDS = (
 )
 
 
-# What a wire that is heated can have: its resistance, and the largest power that goes into it.
-_WIRE_OHM, _POWER_W = (0.1, 500.0), (5e-3, 500.0)
+# What a heated wire can have; readings outside are in another unit.
+_WIRE_OHM = (0.1, 500.0)  # resistance [ohm]
+_POWER_W = (5e-3, 500.0)  # largest power [W]
 _UNITS_OF = {"wire_voltage_v": ("V", "mV"), "wire_current_a": ("A", "mA"), "wire_resistance_ohm": ("ohm",)}
 
 

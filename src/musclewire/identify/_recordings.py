@@ -12,14 +12,13 @@ from musclewire.physics import ArrayReading
 from musclewire.sensing import noise_level
 from musclewire.signals import MAX_STRAIN, Recording, asked_once, reference_quantity
 
-# The cold wire's resistance is the median of so many readings at the beginning of a recording.
+# Readings at the beginning of a recording, whose median is the cold wire's resistance.
 COLD_READINGS = 9
-# It was colder later where power or contraction come down by more than this part of their range below its beginning;
-# the range is that without so many percent of the readings at either end.
-WARM_PART, OUTER_PERCENT = 0.05, 2.0
-# A range is one of motion beyond so many deviations of its noise, and of a wire heated by its current if its power has
-# come to so many times the least; readings at one drive differ in power by less than this part.
-NOISES, HEATED_TIMES, SAME_POWER_PART = 20.0, 2.0, 0.5
+WARM_PART = 0.05  # of its range, by which power or contraction later lies below its beginning: the wire began warm
+OUTER_PERCENT = 2.0  # of the readings at either end, left out of a range so that no single one decides
+NOISES = 20.0  # standard deviations of the noise: a smaller range is no motion
+HEATED_TIMES = 2.0  # highest over lowest power: with less no current has heated the wire
+SAME_POWER_PART = 0.5  # of a power: readings at one drive differ by less
 # Where a recording and a model state by which cold resistance [ohm] all others were divided.
 DIVIDED_BY = "divided_by_ohm"
 

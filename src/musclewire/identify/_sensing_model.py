@@ -107,9 +107,8 @@ def sensed_since_extremes(
 
 
 PAPER_ORDER = 6
-# A sample is wrong whose error is beyond this part of the stroke; more than so many of them are a model that does not
-# hold.
-WRONG_FRACTION, MAX_WRONG = 0.05, 0.005
+WRONG_FRACTION = 0.05  # of the stroke: a sample with a larger error is wrong
+MAX_WRONG = 0.005  # of the samples: with more wrong ones a model does not hold
 WIRE_NOTES = (
     "wire",
     "wire_diameter_m",
@@ -120,12 +119,13 @@ WIRE_NOTES = (
     "spring_stiffness_n_per_m",
     DIVIDED_BY,
 )
-# Resistances over the cold one end between these.
-MIN_RATIO, MAX_RATIO = 0.8, 1.5
+# Bounds of the resistance of any wire over the cold one: readings within them are such ratios, not ohms.
+MIN_RATIO = 0.8
+MAX_RATIO = 1.5
 # Rows of the loop that a model keeps for its home moves.
 LOOP_ROWS = 300
-# Rows in which the whole recording shows how fast its wire is, and the last cycles by which its numbers are compared.
-MOTION_ROWS, MAX_CYCLES = 2000, 5
+MOTION_ROWS = 2000  # rows to which the motion of a recording is averaged before it shows how fast its wire is
+MAX_CYCLES = 5  # cycles, the last ones, whose scatter shows how well the numbers of one repeat
 WITHOUT_INSTRUMENT = "without an instrument name the wire: 'musclewire fit RECORDING --wire WIRE', or fit_resistance"
 # What is said of a wrong average where it is not known which branch the wire is on.
 UNTRIED = (

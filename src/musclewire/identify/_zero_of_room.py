@@ -24,12 +24,15 @@ from musclewire.wire import HeatBalance
 NOTE = "cold_contraction_per_k"
 # And the note of the air that its rig file stated: what a thermometer reads is not compared with what is stated.
 ROOM = "stated_ambient_k"
-# The cold end of cooling [K above the air], and how near to the air it must have come.
-COLD_END_K, MIN_COLD_K = 8.0, 4.0
+COLD_END_K = 8.0  # [K above the air]: cooling below is its cold end
+MIN_COLD_K = 4.0  # [K above the air], to which the wire must have cooled
 MIN_POINTS = 8
-# The zero moves by this part of the contraction that is left, with this deviation: on the springs of our benches by 0.7
-# of it (studies/zero_of_room.py prints both), under a weight by all of it; of a load that is not stated between both.
-SPRINGS_FRACTION, FRACTION, FRACTION_STD = 0.7, 0.85, 0.15
+# The zero moves by a fraction of the contraction that is left: by all of it under a weight, otherwise by
+SPRINGS_FRACTION = 0.7  # on the springs of the benches (studies/zero_of_room.py prints both), and by
+FRACTION = 0.85  # under a load that is not stated: between both.
+FRACTION_STD = 0.15  # standard deviation of either
+FRACTION = 0.85  # under a load that is not stated: between both
+FRACTION_STD = 0.15  # standard deviation of either
 # Rooms that differ by less are one, measured twice.
 SAME_ROOM_K = 1.0
 

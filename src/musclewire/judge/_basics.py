@@ -7,9 +7,9 @@ import numpy as np
 from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import DetectedRows, JudgedLoop, Mask
 
-# How long [s] heating and cooling may be at their limit: cooling takes its time, and no drive shortens it.
-HEATING_S, COOLING_S = 1.0, 4.0
-# The resistance of a wire that heats at the upper limit follows by more than this fraction within that time.
+HEATING_S = 1.0  # [s] that a drive may be at its limit while the wire heats; chosen: a shorter time warns of any step
+COOLING_S = 4.0  # [s] that it may be while the wire cools: cooling takes longer, and no drive shortens it
+# The least fraction by which the resistance of a wire that heats at the upper limit changes within HEATING_S.
 FOLLOWS = 0.005
 # An instrument contradicts an estimate if more than this part of the valid samples are beyond the interval: errors last
 # for a step, and of the paper's eleven steps two are beyond by chance in one run of ten, three in 1.5 %.

@@ -16,7 +16,7 @@ from musclewire.judge._loop import JudgedLoop
 from musclewire.judge._readings import resistance_reading
 from musclewire.sensing import noise_level
 
-# At the sense voltage a reading is noisy, and nothing moves fast: the highest resistance is that of a mean of so many.
+# Readings whose mean is the highest resistance: at the sense voltage one is noisy, and nothing moves fast.
 MEAN_SAMPLES = 10
 HIGHEST = "cooling after the loop, the highest resistance"
 

@@ -35,44 +35,47 @@ Rows = NDArray[np.intp]
 # The numbers of a defect by their names in its sentence, with their units and words; None without one.
 Numbers = Mapping[str, float | str] | None
 
-# Fewer rows show no defect of a loop, and a motion of fewer standard deviations of its noise is none.
-MIN_ROWS, MOVED_NOISES = 12, 20.0
-# Of normal noise, so many standard deviations hold 95 % of the readings: if they are the swing, a reading says nothing.
+MIN_ROWS = 12  # rows of a loop: fewer show no defect
+MOVED_NOISES = 20.0  # standard deviations of the noise: a smaller range of the instrument is no motion
+# Standard deviations: 95 % of normal noise lies within an interval of this length; if that is the swing of the
+# resistance, a reading determines no strain.
 SCATTER_STDS = 4.0
-# A column is coarse if one of its steps is a larger part of it than this: from B to C resistance changes by some 10 %.
-# Resistance then follows at least this part of a step, with which a step of the drive would bring the other column.
-COARSE_PART, FOLLOWED = 0.05, 0.5
-# The least current is that of this part of the rows, and of so many at least.
-LOW_CURRENT_PART, LOW_CURRENT_ROWS = 0.2, 8
+# A step of a column over its value: resistance changes by some 10 % from B to C, so larger steps resolve it coarsely.
+COARSE_PART = 0.05
+FOLLOWED = 0.5  # least relative change of resistance over that of the column: a step of the drive would change both
+LOW_CURRENT_PART = 0.2  # of all rows, those with the least current, whose scatter is that of low current
+LOW_CURRENT_ROWS = 8  # rows that are taken at least: fewer determine no scatter
 # A wire stands still within this part of the stroke from its cold end; motion moves its resistance by as much.
 STILL = 0.02
-# A jump counts from this part of the swing on, if chance makes one as clear, anywhere, this rarely, and if it explains
-# half of what the line leaves: readings of another wire between those of this one leave more.
-JUMP_PART, JUMP_CHANCE = 0.1, 1e-4
+JUMP_PART = 0.1  # of the swing of the resistance: a smaller jump at a change of range spoils no loop
+# The probability that noise has as clear a jump anywhere. The jump must also explain half of what a line leaves:
+# readings of another wire between those of this one leave more.
+JUMP_CHANCE = 1e-4
 # Where more of a jump than this could as well be a line over the power, nothing is known.
 MIN_APART = 0.05
 # Where 1 % of the resistance, the change by some 10 K in martensite, is more than a quarter of the stroke, it is flat.
 FLAT_CHANGE = 0.04
-# A flat stretch counts from this part of the stroke on; it is looked for in so many parts.
-MIN_FLAT, FLAT_PARTS = 0.3, 40
-# Cooling ends short from the error on at which a sample counts as wrong, with the current back within this factor.
-SHORT, BACK = 0.05, 1.2
-# Two clocks that were joined are known to so many standard deviations, and to this time [s] if it is not stated; it
-# counts from the part of the gap on that it changes.
-DELAY_STDS, UNSTATED_DELAY_S, GAP_CHANGE = 2.0, 0.05, 0.1
+MIN_FLAT = 0.3  # of the stroke: a shorter flat stretch is no defect
+FLAT_PARTS = 40  # equal parts of the stroke over which readings are averaged before a flat stretch is searched
+SHORT = 0.05  # of the stroke, by which cooling ends short: an error from which on a sample counts as wrong
+BACK = 1.2  # current at the end over the least one before: at more the wire is still heated, and has not cooled
+DELAY_STDS = 2.0  # standard deviations of the delay between two joined clocks, by which it may be wrong
+UNSTATED_DELAY_S = 0.05  # [s] by which it may be wrong if the recording states no standard deviation; chosen
+GAP_CHANGE = 0.1  # of the hysteresis gap: a delay that changes it by less does no harm
 # A cycle passes at least this part of the stroke.
 CYCLE_PART = 0.5
 # A row is on the line between its neighbours within this part of its column's range: a file of seven digits or more
 # shows it, and a converter's step is larger by far.
 STRAIGHT_PART = 1e-6
-# Interpolation puts about as many rows between any two measured ones, some at least: so large a part of the distances
-# differs from their median by no more than this part of it, or by one row.
-MIN_SPACING, REGULAR_PART, UNEVEN_PART = 5, 0.9, 0.25
-# And none is farther than so many times their median: there rows would be left out that were measured.
+MIN_SPACING = 5  # rows from one measured row to the next: smaller spacings are not taken for interpolation
+REGULAR_PART = 0.9  # of the spacings must be near their median: interpolation puts in about as many rows each time
+UNEVEN_PART = 0.25  # of the median spacing: how far a spacing may differ from it and still be near, or one row
+# The largest spacing over the median one: in a larger gap measured rows would be left out.
 MAX_SPACING_PART = 3.0
-# Lines between measured readings bend by anything. A converter bends a steady slope by one step of its own, or by two:
-# the bends of one curve, but for a tenth at either end, are at least so many times different.
-OUTER_PERCENT, MIN_DIFFERENT = 10.0, 4.0
+OUTER_PERCENT = 10.0  # of the bends of a curve at either end, left out so that no single reading decides
+# The largest bend over the smallest. Lines between measured readings bend by anything; a converter bends a steady
+# slope by one of its steps, or by two.
+MIN_DIFFERENT = 4.0
 ELECTRICAL = ("wire_resistance_ohm", "wire_voltage_v", "shunt_voltage_v", "wire_current_a")
 # Fewer measured rows than this show no rule.
 MIN_MEASURED = 12

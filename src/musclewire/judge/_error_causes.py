@@ -21,15 +21,15 @@ from musclewire.sensing import (
 )
 from musclewire.signals import Recording
 
-# The mean error over so many samples is what noise of single readings leaves.
+# Samples over which an error is averaged, so that the noise of single readings drops out.
 MEAN_SAMPLES = 33
 # A cause explains an error if without its part at most this fraction of the error remains.
 EXPLAINED = 0.5
-# A single reading is off by at most so many times the noise.
+# Standard deviations of the noise by which a single reading is off at most.
 NOISES = 3.0
-# A movement of less than this fraction of the stroke, or of so many times the noise, is no turn of the wire.
-TURN_FRACTION = 0.05
-TURN_NOISES = 8.0
+# A smaller movement than both of these is no turn of the wire.
+TURN_FRACTION = 0.05  # of the stroke
+TURN_NOISES = 8.0  # standard deviations of the noise
 
 
 class ErrorCause(StrEnum):

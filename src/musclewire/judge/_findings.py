@@ -22,8 +22,9 @@ from musclewire.judge._steps import oscillation, overshoot
 from musclewire.signals import Recording, asked_once
 from musclewire.small_files import read_toml
 
-# From which part of the time with a target on a run with a finding does not hold.
-ALWAYS, NEVER = 0.0, math.inf
+# A run with a finding does not hold if the samples of the finding are a larger fraction of the time with a target.
+ALWAYS = 0.0
+NEVER = math.inf
 
 
 class Finding(NamedTuple):

@@ -16,7 +16,7 @@ from musclewire.judge._loop import JudgedLoop
 from musclewire.sensing import SensingModel, find_resistance_extremes, first_maximum, noise_level
 from musclewire.signals import MetadataValue, RunFacts
 
-# B counts as moved beyond so many of the standard deviations with which the model says that it repeats.
+# B counts as moved by more than this many of the standard deviations with which the model states that it repeats.
 LIMIT_STDS = 4.0
 # A wire was cold if its resistance rises to B by at least this part of what the slow loop's did: a warm one is on its
 # way, and may turn anywhere. Under half the load a cold wire's rises by half of it, and of a cold reading at the sense
@@ -25,10 +25,9 @@ COLD_RISE = 0.3
 # One that still holds austenite begins lower than a cold one by more than this part of the span; a cold one whose
 # resistance fell by 2 % does not.
 HOT_FRACTION = 0.15
-# A drive of up to this many times the sense voltage does not heat; a maximum at one of up to so many is noise, of a
-# resistance that is read with little current.
-NOT_HEATED, NOISY = 1.5, 2.0
-# The highest resistance of a loop is that of the mean of so many readings.
+NOT_HEATED = 1.5  # times the sense voltage: up to here a drive does not heat the wire
+NOISY = 2.0  # times the sense voltage: up to here little current flows, and a maximum of the resistance is noise
+# Readings whose mean is the highest resistance of a loop: less noise than in a single one.
 MEAN_SAMPLES = 5
 # Why a run's first heating is not compared with that of the model.
 NO_LOOP = (

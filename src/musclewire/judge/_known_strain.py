@@ -16,9 +16,9 @@ from musclewire.errors import CallerError
 from musclewire.judge._loop import DetectedRows, JudgedLoop
 from musclewire.signals import MetadataValue, RunFacts
 
-# The estimate is compared as the mean of so long before the moment.
+# [s] before the moment of the known strain, over which the estimate is averaged.
 COMPARED_S = 1.0
-# 95 % of normally distributed errors lie within so many standard deviations.
+# Standard deviations to either side of the mean within which 95 % of normal errors lie.
 WITHIN_STD = 1.96
 
 

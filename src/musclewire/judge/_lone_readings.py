@@ -19,18 +19,18 @@ Columns = Mapping[str, FloatArray]
 # What is judged: electrical readings, and those of instruments of motion. The drive is a command.
 MEASURED = ("wire_voltage_v", "shunt_voltage_v", "wire_current_a", "wire_resistance_ohm")
 MOTION = ("displacement_m", "reference_strain", "force_n", "endpoint_displacement_m", "endpoint_force_n")
-# A row is seen with so many on either side. Without so many of them at either end, the rest shows what goes on there:
-# what is as long as that is no spike.
-NEAREST, TRIMMED = 10, 5
-# It stands alone if it is off by more than the rest differs, by this part of what the column reaches for longer, and by
-# so many standard deviations of its neighbours, of which twenty show only half, and steps of the column.
-FAR, NOISES, STEPS = 0.2, 12.0, 3.0
+NEAREST = 10  # rows on either side with which a row is compared
+TRIMMED = 5  # readings left out at either end of these when sorted: what lasts for as many rows is no spike
+# A row is a spike if it is off by more than its neighbours differ, and than each of these:
+FAR = 0.2  # of the range of values at which the column stays for longer
+NOISES = 12.0  # standard deviations of its neighbours: of an even noise 20 of them determine only half of it
+STEPS = 3.0  # steps of the column's resolution
 # The standard deviation of normal noise over the median size of its differences.
 STD_OF_DIFFERENCES = 1.0 / (0.6745 * 2.0**0.5)
-# One value is a mark in at most this part of the rows, next to so many other values at least.
-MAX_PART, OTHERS = 0.1, 5
-# A wire's resistance changes by less than this factor; without current there is none below this part of the usual one.
-PASSED, OFF_FRACTION = 1.5, 0.02
+MAX_PART = 0.1  # of all rows: a value in more of them is a reading, not an instrument's mark
+OTHERS = 5  # distinct other values: a column with fewer shows no mark, as any value may be one of its steps
+PASSED = 1.5  # ratio of resistances: one wire's differ by less
+OFF_FRACTION = 0.02  # of the usual voltage and current: without current both are below
 # Rows that are looked at together.
 CHUNK = 100_000
 

@@ -20,8 +20,8 @@ Answer = TypeVar("Answer")
 SETTLE_S = 1.0
 # A wire is sensed once its estimates were valid for so long.
 SENSED_S = 0.5
-# The drive is at a limit within this fraction of it; a target is missed by more than this part of the range of targets.
-AT_LIMIT, NOT_REACHED = 0.01, 0.05
+AT_LIMIT = 0.01  # of a limit of the drive: within it the drive is at the limit
+NOT_REACHED = 0.05  # of the range of targets: a target that is off by more has not been reached
 
 
 def in_windows(extreme: np.ufunc, values: FloatArray, length: int) -> FloatArray:

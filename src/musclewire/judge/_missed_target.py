@@ -18,9 +18,9 @@ from musclewire.arrays import FloatArray
 from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import Cause, DetectedRows, JudgedLoop, Mask, in_windows
 
-# A target is missed by more than this part of it, a little more than the paper's largest error on its staircase, and by
-# more than this part of the range in which the model senses, beyond the interval.
-OF_TARGET, OF_RANGE = 0.03, 0.01
+# A target is missed if the error is larger, beyond the interval, than each of these:
+OF_TARGET = 0.03  # of the target: a little more than the paper's largest error on its staircase
+OF_RANGE = 0.01  # of the range in which the model senses: near a target of zero the other would allow nothing
 # An interval hides a miss whose half-width is more than this part of the range: it would not be seen on any step.
 WIDE = 0.1
 # A run does not hold that missed its target for more than this part of the time with one; less is not said: the first

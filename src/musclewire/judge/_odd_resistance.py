@@ -18,17 +18,17 @@ from musclewire.judge._first_heating import LIMIT_STDS, MEAN_SAMPLES, NOISY, Kno
 from musclewire.judge._loop import DetectedRows, JudgedLoop, in_windows
 from musclewire.judge._run_correction import TODAY, what_followed
 
-# A rise is a jump from this part of the span from B to C on, and from so many standard deviations of a reading at its
-# drive, beyond what the wire moves before and after it.
-JUMP_PART, JUMP_NOISES = 0.04, 9.0
+# A rise is a jump if it is larger than both of these, beyond what the wire moves before and after it:
+JUMP_PART = 0.04  # of the span from B to C
+JUMP_NOISES = 9.0  # standard deviations of a reading at its drive
 # Two rows of what the wire moves, and as much again, as one that moves fast does not move evenly.
 MOVES = 4.0
 # A reading is a mean over its sample, so a contact that opens within one raises two. What lasts for one is a spike.
-# The rows of a jump: two before it, the one in which it may fall, two after it, and more before, as a wire that is
-# switched turns, and a reading at another current may have another error: their drives lie within this factor, and no
-# row is missing between them.
-BEFORE, STEADY_SAMPLES, STEADY_PART = 4, 8, 0.8
-# Of normally distributed noise the median size of a second difference of readings is so many standard deviations.
+# A jump needs two rows before it, the one in which it may fall, and two after it.
+BEFORE = 4  # rows before a jump: more than two, as a wire that is switched turns
+STEADY_SAMPLES = 8  # rows about a jump, before and after it, none of them missing
+STEADY_PART = 0.8  # lowest over highest drive in these rows: a reading at another current may have another error
+# The median size of the second differences of readings with normal noise, in standard deviations of a reading.
 BEND_PER_STD = 0.6745 * 6.0**0.5
 NO_ROWS = np.zeros(0, dtype=np.intp)
 

@@ -31,12 +31,11 @@ LEFT_FRACTION = 0.4
 LEFT_BY_STRAIN = 0.02
 # A wire's resistance changes by less than 6 % in its life: two deviations of its scale, before anything is seen.
 SCALE_STD = 0.03
-# Beyond so many % of the span no scale serves.
+# [% of the span from B to C]: no scale explains a resistance that is farther away.
 REFUSED_PCT = 9.0
-# A resistance that is nearer to its highest than this part of the span is not past B, and one that is read with little
-# current is noise: nothing is searched in either, and of a wire that rests only so many readings are kept. So one that
-# is held for hours costs nothing.
-MIN_FALL, KEPT_AT_REST = 0.04, 40
+# Nothing is searched before B has been passed, nor in readings at little current, which are noise:
+MIN_FALL = 0.04  # of the span from B to C: a resistance that is nearer to its highest is not past B
+KEPT_AT_REST = 40  # readings of a wire at rest that are kept, so that one held for hours costs nothing
 
 
 class RunCorrection:

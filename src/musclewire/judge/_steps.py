@@ -13,15 +13,16 @@ from musclewire.arrays import FloatArray
 from musclewire.judge._known_strain import WITHIN_STD
 from musclewire.judge._loop import DetectedRows, JudgedLoop
 
-# The drive oscillates that turns so often at one target, each time by more than this swing [V] and within this time [s]
-# of the turn before: dead times up to 0.3 s give periods of 0.4 to 2 s. A slow change and two gusts are none.
-MIN_TURNS, SWING_V, HALF_PERIOD_S = 3, 0.5, 1.5
+# A drive oscillates if it turns at one target this often, by this swing, in this time. A slow change or two gusts do
+# not turn it that often.
+MIN_TURNS = 3
+SWING_V = 0.5  # [V] from one turn to the next
+HALF_PERIOD_S = 1.5  # [s] from one turn to the next: dead times of up to 0.3 s give periods of 0.4 to 2 s
 # A step takes the drive to and fro, too: what comes so soon after it [s] does not count.
 SETTLING_S = 1.0
-# Beyond the target by more than this part of all that the wire moves, and than the interval of the estimate, in at
-# least so many steps: once or twice is chance, or the first step from cold.
-MAX_BEYOND, MIN_STEPS = 0.1, 3
-# A step is a target that holds for so long [s]; one that never stops changing has none.
+MAX_BEYOND = 0.1  # of the range of the wire's motion: a smaller overshoot, or one within the interval, does not count
+MIN_STEPS = 3  # steps that overshoot: one or two are chance, or the first step from cold
+# [s] for which a target holds to be a step; a reference that never stops changing has no steps.
 HELD_S = 1.0
 
 

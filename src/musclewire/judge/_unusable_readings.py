@@ -24,20 +24,20 @@ Metadata = Mapping[str, MetadataValue]
 
 # What an import says of a file with too many rows for it.
 TOO_MANY = "more than {rows} rows: the command that uses the recording judges whether its readings are measurements"
-# A plateau is at least so many equal rows.
+# Equal rows in succession: fewer are no plateau.
 PLATEAU_ROWS = 5
-# It counts if the column moved by so many of its own steps within as many rows before it. The top of a smooth curve of
-# w rows on either side, rounded to a step q, has risen by q ((2 + 1)^2 - 1) = 8 q within its own length at most.
+# Steps of the column's resolution by which it must move in the rows before a plateau, as many as that has. The top of
+# a smooth curve of w rows on either side, rounded to a step q, has risen by q ((2 + 1)^2 - 1) = 8 q in its own length.
 CUT_STEPS = 12.0
 # Of that rise, a fifth of the rows makes at most this part: more is a jump to a level, or a decaying approach to it.
 MAX_PART = 0.45
-# Noise of so many steps on both sides of it would not leave five rows equal.
+# Steps of the column's resolution: noise that is larger on both sides of a plateau would not leave five rows equal.
 NOISE_STEPS = 1.5
-NEIGHBOURS = 20
-# Of these neighbours at most this part repeats the one before, and a channel that is held scatters less by this factor.
-REPEATED, CALM = 0.1, 0.3
-# Another channel shows whether the drive was held if it moved by so many of its steps, and of its noise, before.
-MIN_STEPS, HOLD_ROWS = 2.0, 4
+NEIGHBOURS = 20  # rows on either side of a plateau, from which its noise is known
+REPEATED = 0.1  # of the neighbours at most may repeat the row before, or the column is not noisy
+CALM = 0.3  # scatter, or change, of a channel in a plateau over that next to it: with less the channel was held
+MIN_STEPS = 2.0  # steps, or noises, of another channel: a larger motion before a plateau shows what the drive did
+HOLD_ROWS = 4  # a motion counts over a plateau's length divided by this: the stretches at both ends do not overlap
 # What moves on while a column stays at the end of its range. Past a resistance it moves by this part of its own range;
 # from A to B a wire does by 15 %, at one value of a meter with few steps.
 _ELECTRICAL = ("wire_current_a", "shunt_voltage_v")
@@ -50,9 +50,10 @@ PARTNERS = {
 KEPT = ("time_s", *MEASURED, *MOTION, "drive_voltage_v")
 # More lone readings than this part of a column are no accidents: which of its readings are right is not known.
 MANY_ALONE = 0.1
-# An import judges files of at most so many rows, which take 100 MB; what uses a recording judges it in any case.
+# An import judges files of up to this many rows, which take 100 MB; what uses a recording judges it in any case.
 MAX_ROWS = 2_000_000
-MOVED, FINE = 0.25, 0.01
+MOVED = 0.25  # of its range, by which another column moves in a plateau that the end of a range has cut off
+FINE = 0.01  # step over range of a resistance: with larger ones a wire that passes B leaves equal rows, too
 # In noise a resistance is cut off in at least this part of all rows.
 OFTEN = 0.03
 # The part of all its distinct neighbouring values that lies at a column's own step.
@@ -64,13 +65,18 @@ BOARD_SHUNT_OHM = 0.1
 AT_END = 1.0 - 1.0 / 4096.0
 # Pulses are off where voltage and current are next to nothing, and their quotient is none of the wire by this factor.
 WIRE_RATIO = 2.0
-# Two sources of one quantity may differ by so much: shunts, leads and ranges do; and wire and shunt of the drive.
-CURRENT_FRACTION, RESISTANCE_FRACTION, NOT_COUNTED = 0.1, 0.2, 0.05
-DRIVE_LOW, DRIVE_HIGH = 1.0 / 3.0, 1.2
-# A drive is late if voltage and current leave more than this part of it open, and less than a third of that if they
-# are shifted: of three quarters of a row a quarter is left by a whole one. At most so much
-# is noise. It shows in so many rows, and is looked for in so many, evenly apart.
-MIN_LATE_MISFIT, LEFT_BY_SHIFT, MAX_LEFT, MIN_LATE_ROWS, MAX_LATE_ROWS = 0.01, 1.0 / 3.0, 0.1, 20, 50_000
+CURRENT_FRACTION = 0.1  # difference of two sources of the current, over it: shunts and ranges differ by less
+RESISTANCE_FRACTION = 0.2  # the same of two sources of the resistance, which includes leads
+NOT_COUNTED = 0.05  # of the largest current: in rows with less a quotient is noise
+# Voltage of wire and shunt over that of the drive: outside these a unit or a channel is wrong.
+DRIVE_LOW = 1.0 / 3.0
+DRIVE_HIGH = 1.2
+# A drive is late by some rows if it is explained by voltage and current only when shifted by these:
+MIN_LATE_MISFIT = 0.01  # of the drive, unexplained without a shift: with less there is nothing to explain
+LEFT_BY_SHIFT = 1.0 / 3.0  # of that, left by the shift: late by three quarters of a row, a whole one leaves a quarter
+MAX_LEFT = 0.1  # of the drive, left by the shift: more is no delay but another drive
+MIN_LATE_ROWS = 20  # rows: fewer show no delay
+MAX_LATE_ROWS = 50_000  # rows, evenly apart, in which a delay is searched: more take longer and show no more
 
 
 class UnusableRows(NamedTuple):

@@ -80,20 +80,22 @@ WIRE_NUMBERS = (
     *("first_place", "last_place", "per_place", "least_slope_w", "least_noise_v2"),
 )
 FILTER_CONSTANTS = (*ESTIMATOR_NUMBERS, *WIRE_NUMBERS, *FilterNumbers._fields)
-N_CONSTANTS, COLUMNS = len(FILTER_CONSTANTS), 4
+N_CONSTANTS = len(FILTER_CONSTANTS)
+COLUMNS = 4  # numbers of a place in the tables: the power and the resistance of either branch
 N_TABLES = COLUMNS * PLACES
 OK, COLD = float(Reason.OK), float(Reason.COLD)
 OUT_OF_RANGE, MISMATCH = float(Reason.OUT_OF_RANGE), float(Reason.MISMATCH)
-# Four states have eight points, each two deviations away.
-STATES, POINTS, AWAY = 4, 8, 2.0
+STATES = 4  # of the filter: steady power, place, shift of the branches and factor of the heat loss
+POINTS = 8  # of the cubature rule: two for each state, one to either side of the mean
+AWAY = 2.0  # standard deviations from the mean to each point: the root of the number of states
 # A cold wire reads at least this part of the model's resistance there: a scale that is 1 % off takes a tenth of it.
 COLD_FROM = 0.9
 # Of a mean of surprises one reading is no more than this part: of loops of minutes with few samples one would decide.
 MAX_WEIGHT = 0.1
 # From B to C the resistance falls by 1 over places of about 1: where a table is flatter than this it says no place.
 MIN_FALL = 0.1
-# Below these no variance is distinct from rounding, and no factor of the heat loss is one.
-MIN_VARIANCE, MIN_LOSS = 1e-16, 0.05
+MIN_VARIANCE = 1e-16  # a smaller variance cannot be distinguished from rounding
+MIN_LOSS = 0.05  # of the heat loss in the loop: no air cools a wire by a smaller factor
 
 
 class FilterState(NamedTuple):

@@ -13,8 +13,9 @@ from musclewire.sensing._turning_points import HalfCycle, SmoothedRecording
 # The maximum next to C is B if the resistance falls from it by this fraction of the largest fall: the cold end of a
 # recording may read more than B does.
 MAIN_FALL = 0.8
-# A is the last sample before B within so many times the noise, and this fraction of the rise to B, of the coldest one.
-COLD_NOISES, COLD_FRACTION = 3.0, 0.02
+# A is the last sample before B whose resistance is within both of these of the coldest one:
+COLD_NOISES = 3.0  # standard deviations of the noise
+COLD_FRACTION = 0.02  # of the rise from the coldest sample to B
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,9 @@ APEX_FRACTION = 0.03
 BUMP_NOISES = 6.0
 # Polynomials tried in a window, the simplest first: a broad top with a corner needs more than a cubic.
 ORDERS = (3, 5, 7)
-CUBIC, MORE, HIGHEST = ORDERS[0], 2, ORDERS[-1] + 2
+CUBIC = ORDERS[0]
+MORE = 2  # orders above a polynomial's in which a test looks for bends that it misses
+HIGHEST = ORDERS[-1] + 2
 # A window is narrowed by this factor while all of them miss bends of the curve that are certain at this level (F-test
 # of two coefficients more), so that a clean curve's own maximum is found and a noisy one's averaged,
 NARROWER = 0.7

@@ -22,26 +22,30 @@ from musclewire.sensing._fit_report import FittedCurve
 from musclewire.sensing._wire_tables import WireModel, WireNumber
 from musclewire.wire import HeatBalance
 
-# Of a wire whose loop states no heat balance: the size that is sold most often, if none is stated, those that are sold
-# (Flexinol), and how warm it is under load in the middle of its transformation.
-TYPICAL_DIAMETER_M, SOLD_M = 150e-6, (25e-6, 510e-6)
-TYPICAL_AIR_K, TYPICAL_MIDDLE_K = 295.15, 350.0
-# Of the logarithms: how well correlations of a wire's loss in calm air hold (Churchill and Chu 1975: about 15 %), how
-# far the middle and the air of a wire that no rig knows may be from the typical ones, and by how much the latent
-# heats of alloys differ (DSC of NiTi: 15 to 30 J/g).
-CORRELATION_STD, UNKNOWN_MIDDLE_STD, LATENT_STD = 0.15, 0.25, 0.3
+# Of a wire whose loop states no heat balance:
+TYPICAL_DIAMETER_M = 150e-6  # the size that is sold most often, if none is stated
+SOLD_M = (25e-6, 510e-6)  # the thinnest and the thickest Flexinol that is sold
+TYPICAL_AIR_K = 295.15  # a room
+TYPICAL_MIDDLE_K = 350.0  # under load in the middle of the transformation
+# Standard deviations of logarithms:
+CORRELATION_STD = 0.15  # of correlations of a wire's loss in calm air (Churchill and Chu 1975: about 15 %)
+UNKNOWN_MIDDLE_STD = 0.25  # of middle and air of a wire that no rig knows, from the typical ones
+LATENT_STD = 0.3  # of the latent heats of alloys (DSC of NiTi: 15 to 30 J/g)
 # The loss per kelvin of one wire differs by so much from its cold to its hot end: no motion shows one time constant
 # better.
 LOSS_STD = 0.1
-# Within this part of the stroke from its ends a wire rests; at an end with fewer rows nothing is looked for.
-AT_REST, FEWEST_ROWS = 0.03, 8
-# No reading is better than this part of the span of resistance, nor a step of Gauss and Newton longer.
-MIN_NOISE, MAX_STEP, STEPS, HALF_DIFFERENCE = 1e-5, 0.5, 20, 0.02
-# They begin at the likeliest of so many time constants, within so many deviations of what was known before.
-BEGINNINGS, BEGUN_WITHIN = 15, 2.0
+AT_REST = 0.03  # of the stroke: nearer to one of its ends a wire rests
+FEWEST_ROWS = 8  # rows at an end of the stroke: fewer determine no time constant
+MIN_NOISE = 1e-5  # of the span of resistance: no reading is better, and no weight larger
+MAX_STEP = 0.5  # of a logarithm in one step of Gauss and Newton: a longer one leaves the range in which slopes hold
+STEPS = 20  # of Gauss and Newton at most: it converges in a few
+HALF_DIFFERENCE = 0.02  # of a logarithm, to either side, over which a slope is a difference
+BEGINNINGS = 15  # time constants of which the likeliest begins the search
+BEGUN_WITHIN = 2.0  # standard deviations of what was known before, within which these lie
 MEASURED = "the motion of this recording"
-# A turn counts as one of a minor loop between these places, and what follows if both laws differ by that much.
-TURNS_BETWEEN, TURN, LAWS_DIFFER = (0.15, 0.85), 0.1, 0.02
+TURNS_BETWEEN = (0.15, 0.85)  # of the stroke: nearer to an end a turn is that of the loop itself, not of a minor loop
+TURN = 0.1  # of the stroke: a smaller motion is no turn
+LAWS_DIFFER = 0.02  # of the stroke: rows in which both laws differ by less distinguish none
 # Any law between play (0) and scaled copies (1) is as likely.
 ANY_LAW = WireNumber(0.5, 1.0 / math.sqrt(12.0), "any law is as likely: no minor loop shows it")
 

@@ -34,14 +34,16 @@ _MAX_EXCEL_STEP_D = 1.0 / 24.0
 _WRAPS = (2.0**16, 2.0**32)
 # A counter of a program that had run before: it is counted from the first row.
 _RUNNING_FROM = 2.0**14
-_DAY_S, _HOUR_S = 86_400.0, 3600.0
+_DAY_S = 86_400.0
+_HOUR_S = 3600.0
 # A wrap, midnight and an hour set back are at most so many steps away from the rows on both sides.
 _MAX_STEPS_AWAY = 10.0
-# No wire goes through a loop in less: the thinnest lose their heat in tens of milliseconds (20 rows or more).
-MIN_DURATION_S, _MIN_ROWS = 1e-3, 20
+MIN_DURATION_S = 1e-3  # [s]: no wire goes through a loop in less, the thinnest lose heat in tens of milliseconds
+_MIN_ROWS = 20  # fewer rows are no loop, whose duration shows nothing
 # Where no unit is stated, that one is offered in which a loop lasts so long, with rows so far apart.
 _OFFERED_UNITS = ("s", "ms", "us", "ns", "min")
-_LOOP_S, _STEP_S = (4.0, 1e6), (1e-4, 60.0)
+_LOOP_S = (4.0, 1e6)  # [s]
+_STEP_S = (1e-4, 60.0)  # [s]
 _COUNTS_BY_ONE = 0.5
 _RISING = 0.9
 # A fraction of a second next to a clock of whole seconds, from the largest number that it reaches.

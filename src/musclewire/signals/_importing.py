@@ -68,11 +68,12 @@ _OF_THE_WIRE = frozenset({"wire_resistance_ohm", "wire_voltage_v", "wire_current
 _ELECTRICAL = _OF_THE_WIRE - {"wire_temperature_k"}
 _CURRENT = frozenset({"wire_current_a", "wire_resistance_ohm"})
 _MAX_STEPS = 1000
-# Rows are repeated by polling if so many of them are, never for long, between steps of so many of the smallest.
-_MIN_ROWS_OF_POLLING = 20
-_MIN_REPEATS, _MAX_REPEATS = 0.05, 0.95
-_STEPS_OF_A_MEASUREMENT = 20.0
-_MAX_RUN_OF_REPEATS = 5
+# Rows are repeated by polling if the instrument is slower than the program that reads it. That is known by:
+_MIN_ROWS_OF_POLLING = 20  # rows: in fewer, repetition is chance
+_MIN_REPEATS = 0.05  # of the rows that repeat the one before: fewer are chance
+_MAX_REPEATS = 0.95  # of them: with more the wire rests
+_STEPS_OF_A_MEASUREMENT = 20.0  # smallest steps from one measurement to the next: with fewer a column may just rest
+_MAX_RUN_OF_REPEATS = 5  # repeated rows in succession: in more the wire rests
 # Below headers that stand once more a test goes on if its clock does, by so many of its usual steps.
 _STEPS_OVER_HEADERS = 3.0
 _MAX_BEYOND = 0.05
@@ -80,8 +81,9 @@ _MAX_BEYOND = 0.05
 NOTED_BY_IMPORT = LEFT_OUT, CLOCK_DOUBTED, SIGN_TURNED = "rows_left_out", "clock_doubted", "sign_turned"
 # Instruments print a number for "overload" that no bench has: 9.9E37 and 9.91E37 (SCPI), 1e38, a float's largest.
 _OVERLOAD_FROM = 1e30
-# A column has one sign if no more than this part of its readings has the other, of those above a part of the largest.
-_MAX_OTHER_SIGN, _NEXT_TO_NOTHING, _MIN_ROWS_OF_A_SIGN = 0.1, 0.05, 5
+_MAX_OTHER_SIGN = 0.1  # of the readings: a column with more of the other sign has both
+_NEXT_TO_NOTHING = 0.05  # of the large readings (their 90 % quantile): the sign of a smaller one is noise
+_MIN_ROWS_OF_A_SIGN = 5  # rows with both readings: fewer show no sign
 _OF_CURRENT = ("wire_current_a", "shunt_voltage_v")
 _RMS, _MEAN = {"rms"}, {"avg", "average", "mean"}
 SHUNT_NEEDED = "nothing states the shunt's resistance, which converting the file needs"

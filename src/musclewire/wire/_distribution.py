@@ -20,8 +20,8 @@ CORE = 0.3
 REACH = 4.5
 # The same number for all: compiled code then knows the table's size. 32 kB, of which a step touches a few lines.
 CELLS = 1024
-# Half of them lie between these normal quantiles: heavy tails would leave a steep middle too few.
-CORE_REACH, CORE_CELLS = 1.0, CELLS // 2
+CORE_REACH = 1.0  # normal quantile to either side at which the core of fine cells ends
+CORE_CELLS = CELLS // 2  # cells in it: with heavy tails, equal cells would leave a steep middle too few
 
 
 class OffsetDistribution(NamedTuple):

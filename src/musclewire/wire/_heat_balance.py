@@ -19,11 +19,13 @@ from musclewire.physics import convection_coefficient_w_per_m2_k
 from musclewire.signals import RunFacts
 from musclewire.wire._row import CONVECTION_POINTS
 
-# The loss of a wire is stated at the temperature of a contracted one, or so much above the air at least [K].
-HOT_K, ABOVE_K = 373.15, 50.0
+# The loss of a wire is stated at the higher of these temperatures:
+HOT_K = 373.15  # [K] of a contracted wire
+ABOVE_K = 50.0  # [K] above the air
 # How often a loss that grows with temperature is put in: each time less than a third of the error is left.
 ROUNDS = 40
-TABLE_START_K, TABLE_STEP_K = 200.0, 2.0
+TABLE_START_K = 200.0  # [K] at which the table of convection begins: colder than any laboratory
+TABLE_STEP_K = 2.0  # [K] between its entries
 Quantity = TypeVar("Quantity", float, FloatArray)
 
 

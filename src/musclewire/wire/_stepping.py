@@ -31,14 +31,17 @@ RAGGED = 1e-6
 
 # Places of a plan's numbers.
 DURATION, STEPS, TEMPERATURE, RESISTANCE, STRAIN = range(5)
-# Chosen steps: the next one aims at this fraction of the tolerance and changes by these factors at most.
-SAFETY, MAX_SHRINK, MAX_GROWTH = 0.9, 0.2, 3.0
+# How a chosen step follows from the error of the last one:
+SAFETY = 0.9  # of the tolerance's step, so that few are refused
+MAX_SHRINK = 0.2  # smallest factor from one step to the next
+MAX_GROWTH = 3.0  # largest factor
 # Steps this short are taken whatever their error: only a jump of a load or a drive asks for shorter ones.
 MIN_STEP_S = 1e-5
 # A step with a larger estimated error in temperature shows the step, not the wire.
 MAX_STEP_ERROR_K = 2.0
 # Resistance changes by a fifth over the latent heat; the prediction allows for twice as steep a change and more.
-STEEPEST, TEN_K = 0.5, 10.0
+STEEPEST = 0.5
+TEN_K = 10.0  # [K] whose heat is added to the latent heat: a wire without one has a finite slope, too
 # A smaller motion of a coupled wire is within what its solution may be off.
 MOVED = 1e-11
 

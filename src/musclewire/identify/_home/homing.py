@@ -21,33 +21,38 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Error of the resistance found at B, as a fraction of it: 0.032 % on the same air, 0.01 % more for each kelvin that the
-# air has changed (a wire is not quite the same martensite in warmer air), which without a thermometer may be 8 K.
-SAME_AIR_FRACTION, AIR_FRACTION_PER_K = 3.2e-4, 1e-4
+# Error of the resistance found at B, as a fraction of it.
+SAME_AIR_FRACTION = 3.2e-4  # if the air is that of the loop
+AIR_FRACTION_PER_K = 1e-4  # per kelvin of the air's change [1/K]: martensite differs a little in warmer air
 # A change is corrected from so many of its standard deviations on.
 CERTAIN_STDS = 2.0
 # A wire whose B has not moved keeps its C, too, within so many standard deviations.
 KEPT_STDS = 4.0
-# Resistivity of martensite rises by this fraction per kelvin (Churchill and Shaw, SMASIS2009-48968), and the change of
-# its resistance by a shift of the transformation is known to a fraction.
-MARTENSITE_PER_K, SHIFT_FRACTION = 0.5e-3, 0.5
+# [1/K] by which martensite's resistivity rises, as a fraction (Churchill and Shaw, SMASIS2009-48968).
+MARTENSITE_PER_K = 0.5e-3
+SHIFT_FRACTION = 0.5  # of the change of resistance by a shift of the transformation, to which that change is known
 # A factor of the resistance moves C by the ratio of the resistances at C and B of what it moves B, and an offset by as
-# much; a load moves it by 0.2 to 0.6 of it, or back. Ageing is what is this near, known to this standard deviation.
-RATIO_TOLERANCE, RATIO_STD = 0.17, 0.25
+# much; a load moves it by 0.2 to 0.6 of it, or back. A change is ageing if its ratio is that near to both, and known.
+RATIO_TOLERANCE = 0.17
+RATIO_STD = 0.25  # of the change at B: the largest standard deviation of that at C
 # Resistance of one wire changes by less than this in its life, joints and leads included (0.5 ohm of 17); more is
 # another wire.
 MAX_CHANGE = 0.06
 # No wire's transformation moves further [K], with air, load and alloy together; more is another flow of air, or another
 # length or shunt than was stated.
 MAX_WARMER_K = 25.0
-# The sweep must show this fraction of the loop's fall, and of its points; less was not heated far enough.
-MIN_FALL, MIN_COVERED = 0.85, 0.93
+# A sweep that shows less did not heat the wire far enough:
+MIN_FALL = 0.85  # of the fall of resistance in the loop
+MIN_COVERED = 0.93  # of the points of the loop
 # A curve that fits worse than this fraction of its span has another shape.
 MAX_MISFIT = 0.04
-# Air further from that of the characterization is a wrong unit.
-MAX_AIR_CHANGE_K, ZERO_CELSIUS_K = 60.0, 273.15
-# How well the air's change, and the loss to it, are known beforehand: 8 K, 0.5 K with a thermometer, and 3 %.
-AIR_STD_K, MEASURED_STD_K, LOSS_FRACTION, SHAPE_STD_K = 8.0, 0.5, 0.03, 1.5
+MAX_AIR_CHANGE_K = 60.0  # [K] from the air of the characterization: more is a wrong unit
+ZERO_CELSIUS_K = 273.15
+# Standard deviations of what is known before the sweep:
+AIR_STD_K = 8.0  # [K] of the change of the air without a thermometer
+MEASURED_STD_K = 0.5  # [K] of it with one
+LOSS_FRACTION = 0.03  # of the heat loss
+SHAPE_STD_K = 1.5  # [K] of the shift by comparing two curves; chosen: a larger one doubts true changes
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,14 @@ LATENT_K = 20.0
 CURVE_FRACTION = 0.01
 # A point of the loop that the sweep did not reach is off by at least this fraction of the fall.
 BEYOND_FRACTION = 0.03
-# Stretch of the warming beyond which the search does not look, over its first guess.
-MIN_STRETCH, MAX_STRETCH = 0.6, 1.6
-# The first guess is by these parts of the fall.
-EARLY, LATE = 0.25, 0.75
+# Bounds of the stretch of the warming in the search, over its first guess.
+MIN_STRETCH = 0.6
+MAX_STRETCH = 1.6
+# Fractions of the fall of resistance, at which the warming gives the first guess; chosen: farther apart they lie where
+# the curve is flat, nearer to each other they determine the stretch less.
+EARLY = 0.25
+LATE = 0.75
+LATE = 0.75
 
 
 class Overlay(NamedTuple):

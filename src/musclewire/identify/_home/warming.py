@@ -80,8 +80,8 @@ def course_of(recording: Recording) -> HeatCourse:
 # The resistance has levelled off where it falls with power by less than this fraction of its steepest fall. The shipped
 # wire reaches 0.1 at the highest drive that its file allows.
 LEVEL_FRACTION = 0.1
-# Pieces of equal power into which the way up is divided to see how it falls, and how many of them make a slope.
-PIECES, SLOPE_PIECES = 40, 4
+PIECES = 40  # intervals of equal power into which the way up is divided, to average the noise
+SLOPE_PIECES = 4  # intervals over which the slope of the fall is taken
 
 
 class SeenPoints(NamedTuple):

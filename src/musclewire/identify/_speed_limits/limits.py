@@ -31,8 +31,8 @@ from musclewire.signals import RunFacts
 
 Misses = Callable[[SpeedPlant, float], FloatArray]
 
-# Changes by more than this factor are no advice.
-MAX_FACTOR, BISECTIONS = 16.0, 9
+MAX_FACTOR = 16.0  # by which speed, voltage or loss is changed: a larger change is no advice
+BISECTIONS = 9  # of that factor's logarithm, which is then known to 0.5 %
 # The thinnest wire that vendors list.
 THINNEST_M = 25e-6
 # Temperature at which losses to the air are compared: that of a contracted wire.
