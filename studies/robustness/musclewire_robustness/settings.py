@@ -386,6 +386,8 @@ class KnownMiss(StrictTable):
     ----------
     reason
         Why they are missed.
+    whose
+        Whether resistance alone cannot show it (physics), or a better estimator could (ours).
     bars
         Their full names: condition and what is judged.
     runs
@@ -393,6 +395,7 @@ class KnownMiss(StrictTable):
     """
 
     reason: str = Field(min_length=20)
+    whose: Literal["physics", "ours"]
     bars: tuple[str, ...] = Field(min_length=1)
     runs: Literal["quick", "whole", "both"] = "both"
 
@@ -403,14 +406,15 @@ class KnownMisses(StrictTable):
     miss: tuple[KnownMiss, ...]
 
     def reasons(self, *, quick: bool) -> dict[str, str]:
-        """Return the reasons by full name for a quick run, or for one that is not."""
+        """Return the reasons by full name for a quick run, or for one that is not, each with whose it is."""
         runs = ("both", "quick" if quick else "whole")
         found: dict[str, str] = {}
         for one in self.miss:
             if one.runs in runs:
                 if twice := found.keys() & set(one.bars):
                     raise ValueError(f"{', '.join(sorted(twice))}: a bar has one reason, leave the other out")
-                found |= dict.fromkeys(one.bars, one.reason)
+                said = "physics" if one.whose == "physics" else "ours to mend"
+                found |= dict.fromkeys(one.bars, f"{said}: {one.reason}")
         return found
 
     @model_validator(mode="after")
