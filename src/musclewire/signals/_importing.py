@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
@@ -53,6 +54,10 @@ from musclewire.signals._source_table import (
     stated_start_s,
 )
 from musclewire.signals._units import beyond, largest_in, scale_to_si
+
+# Which rows of a block, and the numbers of some.
+Rows = NDArray[np.bool_]
+Places = NDArray[np.intp]
 
 # A wire that shortens by its whole length does not exist: larger numbers are percent, not fractions.
 _STRAINS = frozenset({"reference_strain", "target_strain", "strain_heating", "strain_cooling"})
@@ -96,7 +101,7 @@ NO_SHUNT = (
 _DROP_CURE = "or leave such rows out (" + argument("drop_missing", True) + ")"
 
 
-def is_overload(values: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def is_overload(values: FloatArray) -> Rows:
     """Return which numbers are overload marks, (n_times,)."""
     with np.errstate(invalid="ignore"):
         return np.asarray(np.abs(values) >= _OVERLOAD_FROM)
@@ -115,7 +120,7 @@ def turned_columns(columns: Mapping[str, FloatArray]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _are_most(rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> bool:
+def _are_most(rows: Rows) -> bool:
     return bool(np.mean(rows) > 1.0 - _MAX_OTHER_SIGN)
 
 
@@ -403,7 +408,7 @@ class _BlockReader:
         self._tally.start_time, self._tally.clock_start_s = self._clock.start_time, self._clock.clock_start_s
         return seconds
 
-    def _kept(self, numbered: Sequence[FloatArray], block: RowBlock) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def _kept(self, numbered: Sequence[FloatArray], block: RowBlock) -> Rows:
         """Return which rows are kept: all, or those in which no number is missing."""
         size = numbered[0].size if numbered else len(block.values[0])
         keep = np.ones(size, dtype=bool)
@@ -427,7 +432,7 @@ class _BlockReader:
                 keep &= ~marked
         return keep
 
-    def _not_repeated(self, numbered: Sequence[FloatArray]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def _not_repeated(self, numbered: Sequence[FloatArray]) -> Rows:
         """Return which rows are not the row before once more, as programs write them that poll too fast."""
         columns = [item.column for item in self._plan.match.taken]
         size = numbered[0].size if numbered else 0
@@ -446,15 +451,13 @@ class _BlockReader:
             # A recording of musclewire's own has every row that was measured, repeated or not.
             own = self._plan.match.taken[columns.index("time_s")].how == "own name"
             self._polled = not own and is_polled(table[:, measured])
-        repeated: np.ndarray[tuple[int], np.dtype[np.bool_]] = (
-            same[:, measured].all(axis=1) if self._polled else same.all(axis=1)
-        )
+        repeated: Rows = same[:, measured].all(axis=1) if self._polled else same.all(axis=1)
         self._tally.repeated += int(repeated.sum())
         return ~repeated
 
     def _of_the_test(
-        self, columns: dict[str, FloatArray], rows: np.ndarray[tuple[int], np.dtype[np.intp]], block: RowBlock
-    ) -> tuple[dict[str, FloatArray], np.ndarray[tuple[int], np.dtype[np.intp]]]:
+        self, columns: dict[str, FloatArray], rows: Places, block: RowBlock
+    ) -> tuple[dict[str, FloatArray], Places]:
         """Return the rows of the test that was chosen; with each that begins, the clock begins again."""
         time_s = columns["time_s"]
         before = np.concatenate(([self._last_time_s], time_s[:-1]))
@@ -469,9 +472,7 @@ class _BlockReader:
             columns, rows = {name: values[keep] for name, values in columns.items()}, rows[keep]
         return columns, rows
 
-    def _checked(
-        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
-    ) -> FloatArray:
+    def _checked(self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: Places) -> FloatArray:
         bad = np.isinf(written) if _may_be_nan(item.column) else ~np.isfinite(written)
         if bad.any():
             row = int(np.argmax(bad))
@@ -513,7 +514,7 @@ class _BlockReader:
             raise CurableError(said, ImportMapping(drop_missing=True))
 
     def _check_strain_is_a_fraction(
-        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
+        self, item: MatchedHeader, written: FloatArray, block: RowBlock, rows: Places
     ) -> None:
         too_large = np.abs(written) > 1.0
         if item.column not in _STRAINS or item.unit_given or not too_large.any():
@@ -524,9 +525,7 @@ class _BlockReader:
             f"fraction: write '{item.header} [%]' in the header or map it: {item.column}={item.header}:%"
         )
 
-    def _check_clock_rises(
-        self, time_s: FloatArray, block: RowBlock, rows: np.ndarray[tuple[int], np.dtype[np.intp]]
-    ) -> None:
+    def _check_clock_rises(self, time_s: FloatArray, block: RowBlock, rows: Places) -> None:
         before = np.concatenate(([self._last_time_s], time_s[:-1]))
         begins = begins_again(before, time_s, _first_of(rows, block.again), self._plan.clock is None)
         stuck = (time_s <= before) | (begins & (self._plan.test is None))
@@ -615,9 +614,7 @@ def tests_below_each_other(plan: ImportPlan) -> list[TestBelow]:
     return [TestBelow(int(b - a), float(times[a]), float(times[b - 1])) for a, b in itertools.pairwise(starts)]
 
 
-def begins_again(
-    before: FloatArray, times: FloatArray, headed: np.ndarray[tuple[int], np.dtype[np.bool_]], counts: bool = False
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def begins_again(before: FloatArray, times: FloatArray, headed: Rows, counts: bool = False) -> Rows:
     """Return where a test begins: a clock falls and goes on from there, or does not just go on below new headers.
 
     A single time that is too small is damage. ``headed`` are the rows above which the headers stand once more; a clock
@@ -630,9 +627,7 @@ def begins_again(
     return ((times < before) & (after < before)) | (headed & np.isfinite(before) & (counts | ~goes_on))
 
 
-def _first_of(
-    rows: np.ndarray[tuple[int], np.dtype[np.intp]], again: Sequence[int]
-) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+def _first_of(rows: Places, again: Sequence[int]) -> Rows:
     """Return which of some rows are the first at or after some places."""
     found = np.zeros(rows.size, dtype=np.bool_)
     places = np.searchsorted(rows, np.asarray(again, dtype=np.intp))
