@@ -15,11 +15,15 @@ __all__ = ["philox", "normal_pair", "uniform"]
 
 ROUNDS = 10
 # Multipliers and increments of the key, as published.
-MULTIPLIER_0, MULTIPLIER_1 = np.uint64(0xD2511F53), np.uint64(0xCD9E8D57)
-WEYL_0, WEYL_1 = np.uint64(0x9E3779B9), np.uint64(0xBB67AE85)
-LOW_WORD, WORD_BITS = np.uint64(0xFFFFFFFF), np.uint64(32)
+MULTIPLIER_0 = np.uint64(0xD2511F53)
+MULTIPLIER_1 = np.uint64(0xCD9E8D57)
+WEYL_0 = np.uint64(0x9E3779B9)
+WEYL_1 = np.uint64(0xBB67AE85)
+LOW_WORD = np.uint64(0xFFFFFFFF)  # the lower half of a product
+WORD_BITS = np.uint64(32)
 # The middle of each of the 2^32 equal parts of the interval from 0 to 1: never 0, whose logarithm has no value.
-PER_WORD, HALF_WORD = 2.0**-32, 2.0**-33
+PER_WORD = 2.0**-32
+HALF_WORD = 2.0**-33
 
 
 @compiled

@@ -58,10 +58,12 @@ class OptionDefinition(NamedTuple):
 # Options that are not called as the argument in Python, and endings of arguments that name a unit.
 CALLED = {"on": "--join", "shunt_resistance_ohm": "--shunt"}
 WITH_UNIT = re.compile("_(n|m|s|v|a|k|ohm)$")
-# Beyond these a count is a slip of the pen, whose command would never end.
-MAX_COUNT, MAX_CORES = 100_000, 4096
-# What may be stated as a wire's temperature [K]: rigs say the same.
-COLDEST_K, MELTING_K = 200.0, 1583.0
+# A larger number is a slip of the pen, whose command would never end:
+MAX_COUNT = 100_000  # loops or cycles
+MAX_CORES = 4096  # processes, threads or processor cores
+# What may be stated as a wire's temperature [K]; rigs check the same.
+COLDEST_K = 200.0  # a smaller number is one in degrees Celsius
+MELTING_K = 1583.0  # of nitinol
 # All options by their first name.
 OPTIONS: dict[str, OptionDefinition] = {}
 

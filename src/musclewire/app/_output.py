@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 Advance = Callable[..., None]
 OnStage = Callable[[str, int, int, float], None]
 OnRuns = Callable[[int, int], None]
-# Characters in a line that nothing ends: no row of a table has so many.
+# Characters in a line that no terminal breaks: more than a row of any table has.
 PIPE_WIDTH = 10_000
 
 

@@ -24,7 +24,9 @@ from musclewire.controllers._rules import (
 )
 from musclewire.errors import CallerError, NumericsError
 
-ALPHA_WEAKEST, ALPHA_STRONGEST = 5.0, 2.0  # the range of Zhao's alpha; a smaller alpha integrates more
+# The range of Zhao's alpha; a smaller alpha integrates more.
+ALPHA_WEAKEST = 5.0
+ALPHA_STRONGEST = 2.0
 
 
 class FuzzyRatios(NamedTuple):

@@ -23,8 +23,14 @@ Row = Any
 
 UNIVERSE_END = 3.0  # the published tables live on -3..3; integer corners keep both directions exactly alike
 UNIVERSE_POINTS = 101
-CONSTANT, PRODUCT_WEIGHTED_SUM, MIN_MAX_CENTROID = 0, 1, 2
-TRIANGLE, FALLING, RISING = 0, 1, 2
+# Ways of inference, as compiled code compares them.
+CONSTANT = 0
+PRODUCT_WEIGHTED_SUM = 1
+MIN_MAX_CENTROID = 2
+# Shapes of fuzzy sets, as compiled code compares them.
+TRIANGLE = 0
+FALLING = 1
+RISING = 2
 
 FUZZY_PID = np.dtype(
     [

@@ -28,9 +28,9 @@ Positive = Annotated[float, Field(gt=0.0)]
 # Times of a loop: a day is longer than any; beyond, an integral would be none.
 Seconds = Annotated[float, Field(gt=0.0, le=86400.0)]
 Table = Annotated[tuple[Positive, ...], Field(min_length=3)]
-# A branch is never taken as flatter or steeper than its median by more than these factors: near the ends of the loop
-# its slope is that of few samples.
-FLATTEST, STEEPEST = 0.5, 4.0
+# Bounds of a branch's slope, over its median: near the ends of the loop it is that of few samples.
+FLATTEST = 0.5
+STEEPEST = 4.0
 SMOOTHED_LEVELS = 5
 
 

@@ -30,7 +30,7 @@ FALL = 0.03
 # A wire is cold, and the next B is one, when its power has been this fraction of that at B for long enough: less than
 # the least heat loss below needs there, and so much that the noise of a reading, less at more current, is no fall.
 COLD_FRACTION = 0.15
-# Of the resistance a mean is taken over about so many samples.
+# Samples over which a mean of the resistance is taken, about.
 SMOOTHED_OVER = 4.0
 # Fractions of the heat loss whose temperatures are followed through a run, the protection's own last.
 FRACTIONS = np.linspace(0.2, 1.0, 17)

@@ -19,14 +19,15 @@ from musclewire.rigs import Rig
 from musclewire.sensing import dropout_failure
 from musclewire.signals import Command, Drive, RawSample
 
-# About 20 s for a thin wire, whose time constant is 0.8 s: 5 s cold, at most 15 s up, 6 s down. A thicker one gets the
-# same number of its time constants.
-REST_LAGS, UP_LAGS, DOWN_LAGS = 6.0, 12.0, 8.0
+# Durations in thermal time constants of the wire: together about 20 s for a thin wire, whose time constant is 0.8 s.
+REST_LAGS = 6.0  # cold, before the ramp
+UP_LAGS = 12.0  # of the ramp up at most
+DOWN_LAGS = 8.0  # of the ramp down
 MIN_LAG_S = 0.8
 # The ramp goes on to this multiple of the loop's highest power if the wire has not transformed before.
 OVERDRIVE = 1.6
-# Below the protection's limit by so much [K], by its own estimate.
-BELOW_LIMIT_K, ZERO_CELSIUS_K = 10.0, 273.15
+BELOW_LIMIT_K = 10.0  # [K] below the protection's limit, up to which the sweep heats by the protection's own estimate
+ZERO_CELSIUS_K = 273.15
 # The fall must level off, at least this fraction of the loop's fall down: only C itself is a mark.
 MIN_DEPTH = 0.85
 # Stricter than for a slow loop: in a ramp the temperature lags behind the power.

@@ -14,7 +14,8 @@ from musclewire.sensing import SHOWN_AS
 from musclewire.signals import Recording
 
 # The spread that is shown: nine tenths of the loops lie between.
-LOW_PERCENTILE, HIGH_PERCENTILE = 5.0, 95.0
+LOW_PERCENTILE = 5.0
+HIGH_PERCENTILE = 95.0
 
 
 class LoopOutcome(NamedTuple):

@@ -25,8 +25,9 @@ from musclewire.judge import resistance_reading
 from musclewire.sensing import centred_mean
 from musclewire.signals import NO_CYCLE, Command, Drive, RawSample, Recording
 
-# Parts of the fall of resistance at which the minor loop turns.
-TURN_BACK, TURN_UP = 0.5, 1.0 / 3.0
+# The minor loop turns where the resistance has fallen by these fractions of its fall from B to C:
+TURN_BACK = 0.5  # from heating to cooling
+TURN_UP = 1.0 / 3.0  # from cooling to heating
 # What a minor loop takes, in cycles, before its turns are known: thin wires need less, thick ones half as much again.
 MINOR_LOOP_CYCLES = 1
 # The resistance of a cycle is read as means over this part of it, about 2 s of the paper's: noise moves no turn.

@@ -42,11 +42,13 @@ from musclewire.signals import (
 
 # A transformation takes a tenth of a wire's resistance and more; a smaller fall is not judged.
 MIN_FALL_FRACTION = 0.06
-# Below the highest temperature at which the alloy was measured by so much [K], in both estimated from the power.
+# [K] below the highest temperature at which the alloy was measured; both are estimated from the power.
 BELOW_COVERED_K = 2.0
-# An amplitude that is proposed after a trip: at 140 C, up to which wires are driven by default, or so much below the
-# protection's limit [K] if that is lower, and at most this part of what tripped; in steps of 50 mV.
-WITHIN_K, BELOW_LIMIT_K, LESS, STEPS_PER_VOLT = 413.15, 10.0, 0.9, 20.0
+# The amplitude that is proposed after a trip stays within the lowest of these:
+WITHIN_K = 413.15  # [K], 140 C: up to it wires are driven by default
+BELOW_LIMIT_K = 10.0  # [K] below the protection's limit
+LESS = 0.9  # of the amplitude that tripped
+STEPS_PER_VOLT = 20.0  # it is rounded down to steps of 50 mV, which read well
 ZERO_CELSIUS_K = 273.15
 
 

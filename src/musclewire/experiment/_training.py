@@ -22,9 +22,9 @@ from musclewire.sensing import find_segments
 from musclewire.signals import Recording
 
 TRAINING_PERIOD_S = 30.0
-# A loop that has moved by less than this, of resistance span and of stroke, over so many cycles has settled.
+# A loop has settled if it has moved by less than this fraction of resistance span and of stroke over some cycles.
 SETTLED_FRACTION = 0.003
-CYCLES_COMPARED = 5
+CYCLES_COMPARED = 5  # cycles over which that motion is taken
 
 
 @dataclass(frozen=True)

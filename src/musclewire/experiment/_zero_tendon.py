@@ -13,7 +13,9 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError
 from musclewire.rigs import HasTendonStage, Rig, ability
 
-FARTHEST_SLACK_M, FARTHEST_PULL_M = 100e-6, 100e-6
+# The stage's range about its start [m]; chosen: a wider one finds a worse start, and pulls the finger more.
+FARTHEST_SLACK_M = 100e-6
+FARTHEST_PULL_M = 100e-6
 POSITIONS = 21
 SAMPLES_EACH = 10
 # The rise over the whole pull must exceed the load cell's noise by this factor, or the tendon was never taut.

@@ -14,7 +14,7 @@ from musclewire.pages import STYLE
 
 # A figure at least so wide has its panels side by side; it lies between one column and two of every journal here.
 WIDE_MM = 120.0
-# A panel is as high as so many lines of its letters.
+# Height of a panel, in lines of its letters.
 LINES_HIGH = 14.0
 POINT_MM = 25.4 / 72.0
 

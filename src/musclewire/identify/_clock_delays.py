@@ -19,12 +19,12 @@ MIN_OVERLAP = 0.3
 MIN_VARIANCE = 0.2
 # Both recordings on one grid: more points take memory and show no more.
 MAX_POINTS = 1 << 21
-# A half of a recording shows a delay by so many samples, and this part of the column's change, or more.
+# A half of a recording shows a delay only with both of these:
 MIN_SAMPLES = 8
-MIN_CHANGE = 0.3
+MIN_CHANGE = 0.3  # of the column's change in the whole recording
 # Clocks of instruments that differ by more have another cause.
 MAX_RATE = 0.03
-# The delay of the second half may differ from that of the first by so many deviations.
+# Standard deviations by which the delays of both halves may differ without a drift.
 DRIFT_STDS = 4.0
 
 

@@ -15,7 +15,7 @@ from musclewire.errors import CallerError, RecordingError, argument
 from musclewire.identify._clock_delays import delay_of, require_determined, sample_period_s, steady_deviations
 from musclewire.signals import MetadataValue, Recording, follows_from, known_column
 
-# A gap of so many sample periods is no place for a straight line.
+# Sample periods: in a longer gap nothing shows that a straight line holds.
 MAX_GAP_PERIODS = 3.0
 
 

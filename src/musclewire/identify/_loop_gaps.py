@@ -18,7 +18,7 @@ from musclewire.signals import Recording, reference_quantity
 NOISES = 4.0
 # and by more than this part of the difference between the branches: under a weight a rubbing guide makes a loop, too.
 MIN_SLOPE = 0.1
-# seen on so much of the motion to either side of its middle.
+# Its slope is taken over this fraction of the motion to either side of its middle.
 INNER = 0.3
 
 

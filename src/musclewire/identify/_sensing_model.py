@@ -65,8 +65,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# At the sense voltage the noise of one sample is as large as the change of resistance that counts: means over so many
-# samples are a fifth of it. A loop has to do without, since half of them lie in the future.
+# Samples that are averaged: at the sense voltage the noise of one is as large as the change of resistance that counts,
+# and that of a mean a fifth of it. A loop has to do without, since half of them lie in the future.
 MEAN_SAMPLES = 33
 
 

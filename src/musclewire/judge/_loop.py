@@ -18,7 +18,7 @@ Mask = npt.NDArray[np.bool_]
 Answer = TypeVar("Answer")
 # Eq. 7 counts "sequentially after one second of each step (till the end of each step)".
 SETTLE_S = 1.0
-# A wire is sensed once its estimates were valid for so long.
+# [s] for which its estimates have been valid when a wire is sensed.
 SENSED_S = 0.5
 AT_LIMIT = 0.01  # of a limit of the drive: within it the drive is at the limit
 NOT_REACHED = 0.05  # of the range of targets: a target that is off by more has not been reached

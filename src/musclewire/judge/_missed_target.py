@@ -26,9 +26,10 @@ WIDE = 0.1
 # A run does not hold that missed its target for more than this part of the time with one; less is not said: the first
 # step from cold, or steps after a change of supply or air, take some of it in runs that err by 1 to 2 % in the mean.
 MAX_MISSED = 0.1
-# A loop may be so much later than the fastest wire [s], by its dead time and as it slows down before a target; and
-# while it runs a miss is said once it has lasted for so long, so that it does not come and go on a page with each drag.
-MAY_LAG_S = SAID_AFTER_S = 1.0
+# [s] by which a loop may be later than the fastest wire, by its dead time and as it slows down before a target.
+MAY_LAG_S = 1.0
+# [s] for which a miss lasts before a running loop states it, so that it does not come and go on a page with each drag.
+SAID_AFTER_S = 1.0
 
 
 class SeenLoop(NamedTuple):

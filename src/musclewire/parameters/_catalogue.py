@@ -26,7 +26,8 @@ GRAM_FORCE_N = 9.80665e-3
 # The highest drive voltage allowed exceeds the largest one needed by this factor.
 VOLTAGE_MARGIN = 1.125
 # The catalogue's sizes are driven on the paper's bench by default.
-DEFAULT_LENGTH_M, DEFAULT_SHUNT_OHM = 0.14, 1.0
+DEFAULT_LENGTH_M = 0.14
+DEFAULT_SHUNT_OHM = 1.0
 
 Checked = ConfigDict(extra="forbid", frozen=True)
 

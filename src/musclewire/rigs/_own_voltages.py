@@ -27,14 +27,14 @@ OVERHEATED_K = 423.15
 # The bench for which a shipped wire's voltages are; that of the paper if it is not here.
 BENCH_OF = {"finger-100um": "finger"}
 PAPER_BENCH = "paper"
-# A temperature is found to a few millikelvin within this range above the air.
-WARMEST_K, HALVINGS = 1000.0, 40
+WARMEST_K = 1000.0  # [K] above the air, up to which a temperature is searched: more than any wire survives
+HALVINGS = 40  # of that range, after which the temperature is known to far less than a kelvin
 # A voltage that was carried over is rounded down to steps of a millivolt.
 STEPS_PER_VOLT = 1000.0
 # Of a channel's range, so that noise and a gain stay within.
 READABLE_FRACTION = 0.95
-# Range of the boards' amplifiers at the shunt (5 V over a gain of 20), and the usual values below it (E6).
-SHUNT_RANGE_V, SHUNT_STEPS = 0.25, (1.0, 1.5, 2.2, 3.3, 4.7, 6.8)
+SHUNT_RANGE_V = 0.25  # [V] that the boards' amplifiers read at the shunt: 5 V over a gain of 20
+SHUNT_STEPS = (1.0, 1.5, 2.2, 3.3, 4.7, 6.8)  # the usual values of a shunt in a decade (E6)
 # An eighth of the drive heats by a sixtieth of the power, two kelvins, and is many steps of a board's ten-bit output.
 SENSE_FRACTION = 0.125
 

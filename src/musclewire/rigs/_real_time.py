@@ -12,8 +12,10 @@ from musclewire.errors import CallerError, argument
 PRIORITY = 40
 # prctl(2), mlockall(2): numbers of the kernel's interface.
 PR_SET_TIMERSLACK = 29
-# Memory in use now, each page from its first use. Not future memory: beyond the limit, allocating would fail.
-MCL_CURRENT, MCL_ONFAULT = 1, 4
+# Flags of mlockall: memory in use now, each page from its first use. Not future memory, for which allocating would fail
+# beyond the limit.
+MCL_CURRENT = 1
+MCL_ONFAULT = 4
 MIN_SLACK_NS = 1
 
 

@@ -30,17 +30,17 @@ from musclewire.errors import CallerError
 from musclewire.signals import remove_parts, write_text_whole
 
 STATE_HOME = "MUSCLEWIRE_STATE_HOME"
-# How often the thread looks for a new temperature, and how often it writes one at most [s].
-LOOK_EVERY_S, WRITE_EVERY_S = 0.1, 1.0
+LOOK_EVERY_S = 0.1  # [s] after which the thread looks for a new temperature again
+WRITE_EVERY_S = 1.0  # [s] from one write to the next at least
 # For how long after an estimate the wire may warm by more than its file says, if the process is killed: until the next
 # one would have been written, and until a board or a card whose host is dead has switched off, with time to spare.
 AHEAD_S = 1.5
 # How long closing waits for the last write: a network drive may hang, and the drive is off by then.
 LAST_WRITE_S = 2.0
-# Nitinol melts: warmer is no temperature of a wire. The other is for who states it in degrees Celsius.
-MELTING_K, COLDEST_K = 1583.0, 200.0
+MELTING_K = 1583.0  # [K] at which nitinol melts: no wire is warmer
+COLDEST_K = 200.0  # [K]: a smaller number is one in degrees Celsius
 MAX_FILE_BYTES = 4096
-# After so many time constants at the sense voltage every wire is cold: 1.2 K are left of 180 K.
+# Time constants at the sense voltage after which every wire is cold: 1.2 K are left of 180 K.
 REST_TIME_CONSTANTS = 5.0
 # Clocks of one machine that are read one after the other differ by less; a machine that sleeps does so for longer [s].
 SLEEP_S = 0.5

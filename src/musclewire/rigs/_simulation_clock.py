@@ -6,8 +6,8 @@ from musclewire.errors import CallerError
 from musclewire.rigs._device import Metadata
 from musclewire.rigs._pacing import SamplePacer
 
-# A wire that is slower than this is watched better in its recording; faster than this no machine computes one.
-MINIMUM_SPEED, MAXIMUM_SPEED = 0.01, 1000.0
+MINIMUM_SPEED = 0.01  # times real time: a slower wire is watched better in its recording
+MAXIMUM_SPEED = 1000.0  # times real time: no machine computes a faster one
 
 
 def checked_speed(factor: float) -> float:

@@ -6,7 +6,7 @@ from collections import deque
 
 # A difference that lasts is one that is found in two stretches of the host's time [s], one after the other.
 STRETCH_S = 2.5
-# By so much of the longer time the two may differ for as long as they like: oscillators differ by far less.
+# Difference of the two over the longer time, with which they may go on: oscillators differ by far less.
 MAX_DIFFERENCE = 0.1
 
 

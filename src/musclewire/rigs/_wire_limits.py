@@ -10,14 +10,18 @@ from musclewire.errors import CallerError, nearest_hint
 from musclewire.parameters import Alloy, Wire, validity_of
 from musclewire.wire import HeatBalance
 
-# A wire's resistance by the maker's ohm per metre is within 15 %, and falls by up to a fifth when it contracts.
-WINDOW_LOW, WINDOW_HIGH = 0.85 * 0.8, 1.5
-# Neither a variation between wires nor a draught explains more current or power than the maximum voltage drives.
-CURRENT_MARGIN, POWER_MARGIN = 1.1, 1.1
+# Bounds of a wire's resistance over that by the maker's ohm per metre.
+WINDOW_LOW = 0.85 * 0.8  # a wire is within 15 % of it, and falls by up to a fifth when it contracts
+WINDOW_HIGH = 1.5  # chosen: leads, contacts and age add to a wire, and a higher bound accepts another wire
+# Current and power over those that the maximum voltage drives: no other wire or draught explains more.
+CURRENT_MARGIN = 1.1
+POWER_MARGIN = 1.1
 # A tenth of the current that the sense voltage drives: less is no contact.
 OPEN_FRACTION = 0.1
-# A wire driven at its maximum voltage changes by 3 % in one sample of 50 ms; the gate is three times that.
-JUMP_FRACTION, JUMP_PERIOD_S, MAX_JUMP_FRACTION = 0.1, 0.05, 0.5
+# Change of resistance from one sample to the next, as a fraction, from which on it is a jump.
+JUMP_FRACTION = 0.1  # three times what a wire changes by in one sample of 50 ms at its maximum voltage
+JUMP_PERIOD_S = 0.05  # [s], that sample: longer ones allow more in proportion
+MAX_JUMP_FRACTION = 0.5  # however long a sample is
 # For an alloy whose file does not state annealing_temperature: that of Flexinol's.
 MAXIMUM_TEMPERATURE_K = 473.15
 

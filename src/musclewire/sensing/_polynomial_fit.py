@@ -15,7 +15,7 @@ from musclewire.sensing._branches import Branch
 
 # Beyond this order power coefficients lose their digits.
 MAX_ORDER = 15
-# A branch of more points than this is averaged in so many equal slices of normalised resistance.
+# Equal slices of normalised resistance, to whose means a branch of more points is averaged.
 SLICES = 200
 # A point at the edge of a gap in the data has at most the weight of this many ordinary ones.
 MAX_WEIGHT = 4.0

@@ -31,8 +31,8 @@ TYPICAL_MIDDLE_K = 350.0  # under load in the middle of the transformation
 CORRELATION_STD = 0.15  # of correlations of a wire's loss in calm air (Churchill and Chu 1975: about 15 %)
 UNKNOWN_MIDDLE_STD = 0.25  # of middle and air of a wire that no rig knows, from the typical ones
 LATENT_STD = 0.3  # of the latent heats of alloys (DSC of NiTi: 15 to 30 J/g)
-# The loss per kelvin of one wire differs by so much from its cold to its hot end: no motion shows one time constant
-# better.
+# Standard deviation of the logarithm of a wire's loss per kelvin, from its cold to its hot end: no motion shows one
+# time constant better.
 LOSS_STD = 0.1
 AT_REST = 0.03  # of the stroke: nearer to one of its ends a wire rests
 FEWEST_ROWS = 8  # rows at an end of the stroke: fewer determine no time constant

@@ -36,11 +36,11 @@ _WRAPS = (2.0**16, 2.0**32)
 _RUNNING_FROM = 2.0**14
 _DAY_S = 86_400.0
 _HOUR_S = 3600.0
-# A wrap, midnight and an hour set back are at most so many steps away from the rows on both sides.
+# Steps between a wrap, midnight or an hour set back and the rows on both sides, at most.
 _MAX_STEPS_AWAY = 10.0
 MIN_DURATION_S = 1e-3  # [s]: no wire goes through a loop in less, the thinnest lose heat in tens of milliseconds
 _MIN_ROWS = 20  # fewer rows are no loop, whose duration shows nothing
-# Where no unit is stated, that one is offered in which a loop lasts so long, with rows so far apart.
+# If no unit is stated, one of these is offered with which a loop has a usual duration and its rows a usual step.
 _OFFERED_UNITS = ("s", "ms", "us", "ns", "min")
 _LOOP_S = (4.0, 1e6)  # [s]
 _STEP_S = (1e-4, 60.0)  # [s]

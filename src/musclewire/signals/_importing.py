@@ -79,7 +79,7 @@ _MIN_REPEATS = 0.05  # of the rows that repeat the one before: fewer are chance
 _MAX_REPEATS = 0.95  # of them: with more the wire rests
 _STEPS_OF_A_MEASUREMENT = 20.0  # smallest steps from one measurement to the next: with fewer a column may just rest
 _MAX_RUN_OF_REPEATS = 5  # repeated rows in succession: in more the wire rests
-# Below headers that stand once more a test goes on if its clock does, by so many of its usual steps.
+# Usual steps of the clock, by which it may go on below headers that are repeated: it is one test then.
 _STEPS_OVER_HEADERS = 3.0
 _MAX_BEYOND = 0.05
 # Metadata: which rows an import left out, where times are not as far apart as stated, and which columns were negative.

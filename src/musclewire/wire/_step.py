@@ -25,9 +25,8 @@ from musclewire.wire._row import Rows, StepConstants, WireState
 
 # Newton's last step may be this long: it is applied linearly, and the error that remains is of second order in it.
 SOLVED_K = 1e-3
-# After so many plain Newton steps the safe method begins, and after so many evaluations a step counts as unsolved.
-PLAIN_STEPS = 4
-MAX_EVALUATIONS = 200
+PLAIN_STEPS = 4  # of Newton, after which the safe method begins
+MAX_EVALUATIONS = 200  # of the balance, after which a step counts as unsolved
 # From here on the safe method halves its bracket instead of trusting slopes.
 BISECT_AFTER = 60
 # Bend of the load within the last Newton step that may be left.

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from musclewire.sensing import SensingModel
 
 MINOR_SHADES = ("#5c6670", "#aab2ba")
-# Widths of a figure across the page, and across a phone: there its letters are as large as the text.
-WIDE_IN, NARROW_IN = 9.6, 4.7
+WIDE_IN = 9.6  # [in] of a figure across the page
+NARROW_IN = 4.7  # [in] of one across a phone: there its letters are as large as the text
 # Errors are shown as they are up to here, and as powers of ten beyond: a step's first moment is ten times its end.
 LINEAR_ERROR_PCT = 0.1
 

@@ -53,9 +53,9 @@ TIME_ROUNDING_S = 1e-6
 # A block of samples counts as full from this much less than the period of readings [s]: its duration is a sum.
 PERIOD_ROUNDING_S = 1e-9
 # A sound reading makes up for this fraction of its time missing: readings of which more than a fifth keep missing, in
-# any pattern, add up to the time after which the sense voltage is out, and beyond that up to so many times as long.
+# any pattern, add up to the time after which the sense voltage is out.
 MADE_UP_FRACTION = 0.25
-MAX_OFTEN_MISSING = 2.0
+MAX_OFTEN_MISSING = 2.0  # of that time: the sum grows no further
 # A commanded maximum may have been rounded on its way.
 MAXIMUM_ROUNDING = 1.0 + 1e-6
 

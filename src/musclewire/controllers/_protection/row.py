@@ -66,7 +66,9 @@ PROTECTION = np.dtype(
         for name in ProtectionState._fields
     ]
 )  # fmt: skip
-STATES, SIGNALS, EVENTS = len(State), len(Signal), max(Event) + 1
+STATES = len(State)
+SIGNALS = len(Signal)
+EVENTS = max(Event) + 1
 RULES = np.dtype(
     [
         *((name, np.float64) for name in ProtectionLimits._fields),

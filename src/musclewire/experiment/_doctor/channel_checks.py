@@ -12,9 +12,8 @@ from musclewire.judge import judge_readings
 
 # An offset may be this fraction of the reading at the sense voltage: it shifts resistance by the same fraction there.
 OFFSET_FRACTION = 0.01
-# Noise may be this fraction of it; resistance then scatters by about a fifth of a percent of strain. Judged as the mean
-# over 50 ms: no wire moves in less, and a rig that samples faster is not worse for it.
-NOISE_FRACTION, JUDGED_S = 0.01, 0.05
+NOISE_FRACTION = 0.01  # noise over the same reading; strain then scatters by about a fifth of a percent
+JUDGED_S = 0.05  # [s] over which noise is averaged: no wire moves in less, and a faster rig is not worse for its noise
 # Uncertainty of a mean, in standard errors.
 SIGMAS = 4.0
 # Lan and Fan 2010, Table 2 and section III: 16.737 ohm at 1.506 %, 15.577 ohm at 3.034 %, R_max 17.4945 ohm. Strain per

@@ -10,10 +10,12 @@ from musclewire.experiment._doctor.evidence import Examined, Outcome
 MIN_SENSE_CURRENT_A = 2e-3
 # Spools, length measured by a ruler, pretension and the R-phase: the right wire is this close to the catalogue's value.
 RESISTANCE_FRACTION = 0.15
-# Voltage of the shunt over that of the wire: with less it is hard to read, with more it wastes the drive and warms up.
-MIN_SHUNT_FRACTION, MAX_SHUNT_FRACTION = 0.001, 0.3
+# Voltage of the shunt over that of the wire.
+MIN_SHUNT_FRACTION = 0.001  # with less it is hard to read
+MAX_SHUNT_FRACTION = 0.3  # with more it wastes the drive and warms up
 # Allowed deviation of the output from its command.
-GAIN_FRACTION, OUTPUT_OFFSET_FRACTION = 0.1, 0.1
+GAIN_FRACTION = 0.1  # of its change, over that of the command
+OUTPUT_OFFSET_FRACTION = 0.1  # of the sense voltage, when 0 V is ordered
 # Leads, clamps, switch and amplifier between the output and the measured voltages, as a fraction of the wire's
 # resistance.
 OUTSIDE_FRACTION = 0.05

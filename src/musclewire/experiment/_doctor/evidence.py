@@ -74,8 +74,9 @@ NO_CURRENT = "no current follows the drive"
 
 # Fractions of the sense voltage below the protection's threshold for "driven", which is half of it.
 LOW_FRACTIONS = (0.25, 0.45)
-# After a step the first readings may be from before it: through a filter, or a frame in transit.
-SETTLING_S, SETTLING_SAMPLES = 0.1, 2
+# After a step the first readings may be from before it, and do not count:
+SETTLING_S = 0.1  # [s] that a filter takes
+SETTLING_SAMPLES = 2  # samples in transit, on a rig whose samples are farther apart
 MIN_SAMPLES = 20
 
 

@@ -27,7 +27,10 @@ from musclewire.judge import remedies
 from musclewire.rigs import Metadata, Rig
 from musclewire.signals import RawSample
 
-ZERO_S, LOW_S, SENSE_S = 2.0, 1.0, 5.0
+# How long each level is held [s]; chosen: a longer hold averages more noise and makes the examination longer.
+ZERO_S = 2.0
+LOW_S = 1.0
+SENSE_S = 5.0  # the longest, as the drift of the resistance is seen in it
 # Why a check is skipped that needs what is not there; "" for one that is left out.
 WITHOUT = {
     "low": "",

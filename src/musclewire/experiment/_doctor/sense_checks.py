@@ -11,11 +11,13 @@ from musclewire.wire import HeatBalance
 
 # The sense voltage must not heat the wire by more.
 MAX_RISE_K = 8.0
-# Allowed drift of resistance while the sense voltage is held.
-DRIFT_FRACTION, SIGMAS = 0.005, 4.0
-PERIOD_FRACTION, RATE_FRACTION, LATE_FRACTION = 1e-3, 0.02, 0.5
-# A step that deviates by this fraction is irregular; one step in a hundred may be.
-STEP_FRACTION, OFF_FRACTION = 0.5, 0.01
+DRIFT_FRACTION = 0.005  # allowed drift of resistance while the sense voltage is held, beyond its uncertainty
+SIGMAS = 4.0  # standard errors of the drift: its uncertainty
+PERIOD_FRACTION = 1e-3  # allowed deviation of the usual step from the stated sample period
+RATE_FRACTION = 0.02  # allowed deviation of the rate of the rig's clock from the host's
+LATE_FRACTION = 0.5  # allowed jitter of the arrival of samples, in sample periods
+STEP_FRACTION = 0.5  # of the sample period: a step that deviates by more is irregular
+OFF_FRACTION = 0.01  # of the steps may be irregular
 
 
 def identity(seen: Examined) -> Outcome:

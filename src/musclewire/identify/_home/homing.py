@@ -24,9 +24,9 @@ if TYPE_CHECKING:
 # Error of the resistance found at B, as a fraction of it.
 SAME_AIR_FRACTION = 3.2e-4  # if the air is that of the loop
 AIR_FRACTION_PER_K = 1e-4  # per kelvin of the air's change [1/K]: martensite differs a little in warmer air
-# A change is corrected from so many of its standard deviations on.
+# Standard deviations of a change from which on it is corrected.
 CERTAIN_STDS = 2.0
-# A wire whose B has not moved keeps its C, too, within so many standard deviations.
+# Standard deviations within which C has not moved, of a wire whose B has not.
 KEPT_STDS = 4.0
 # [1/K] by which martensite's resistivity rises, as a fraction (Churchill and Shaw, SMASIS2009-48968).
 MARTENSITE_PER_K = 0.5e-3

@@ -164,7 +164,7 @@ TOLERANCE_FRACTION = 0.02
 MAX_PERIODS = 40_000
 # What would help is searched in this many periods around the worst miss.
 PERIODS_FOR_HELP = 3000
-# A reference that turns at least so often is periodic: its first half, which begins at rest, is left out of amplitudes.
+# A reference with this many turns is periodic: its first half, which begins at rest, is left out of amplitudes.
 FEWEST_TURNS = 4
 # From this fraction of the amplitude on the wire misses only where the reference begins.
 IN_STEP = 0.95
