@@ -1,10 +1,11 @@
 """The closed loop: the wire positioned by its own resistance.
 
-One sample's journey: voltages -> estimator (Eq. 1, normalised resistance Eq. 3, strain Eqs. 4, 5) -> error ->
-controller -> drive voltage. This file only joins them: what is estimated and how it is controlled belong to
-``sensing._estimator`` and ``controllers._controller``. What the caller leaves open follows from the model: the gains
-that ``fit`` found for it, or the paper's fuzzy-tuned PID (Eq. 6) if it has none. The reference instruments of the rig
-are recorded as well and compared afterwards; nothing here reads them.
+One sample's journey: the guarded rig judges it (``rigs._guarded``); the run notes its times (``_run``); the estimator
+makes of its two voltages the resistance (Eq. 1) and, by the wire's heat balance, the quantity (``sensing``, or Eqs. 3
+to 5 without a wire model); today's zero is taken off what is shown (``judge.RunCorrection``); the controller asks for
+the next drive (``controllers``: the inverse of the wire's model, or the paper's fuzzy-tuned PID, Eq. 6, for a model
+without gains); and the rig lets it through as far as the wire stays within its limits. This file only joins them. The
+reference instruments of the rig are recorded as well and compared afterwards; nothing here reads them.
 """
 
 from __future__ import annotations

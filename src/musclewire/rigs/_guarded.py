@@ -1,4 +1,13 @@
-"""The rig: a device, and the protection table before and after each of its samples."""
+"""The rig: a device, and the protection table before and after each of its samples.
+
+The wire's temperature is limited here. The limit is that of wire and rig file (``_wire_limits``). At the start the wire
+is as warm as it was left, or rests at the sense voltage until it is cold (``_remembered_temperature``). Before each
+drive ``_allowed`` looks ahead and, in a loop, gives the sense voltage in place of a drive that would end above the
+limit; after each sample the protection (``controllers._protection``) takes the larger of the ordered and the measured
+power and trips above it. A wire that passes B with less power than still air takes counts as one that loses less heat
+from then on (``experiment._calm_air``). The default controller has a ceiling of its own in steady power, from the
+recording that its gains are of; it knows nothing of these limits.
+"""
 
 from __future__ import annotations
 

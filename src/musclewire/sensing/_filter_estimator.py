@@ -278,7 +278,7 @@ def write_cholesky_factor(covariance: FloatArray, root: FloatArray) -> None:
 
 @compiled
 def filter_tick(constants: FloatArray, state_array: FloatArray, given: FloatArray, answer: FloatArray) -> None:
-    """Estimate one sample; see ``signals._compiled_tick`` for the arrays."""
+    """Estimate one sample; ``signals._compiled_tick`` says what is where in ``given`` and ``answer``."""
     numbers, state = row_in(constants, NUMBERS_ROW), row_in(state_array, STATE_ROW)
     tables = constants[N_CONSTANTS : N_CONSTANTS + N_TABLES]
     filtered = Filtered(numbers, state, state_array[FIRST_COVARIANCE:], tables)
@@ -512,6 +512,7 @@ def quantity_of(filtered: Filtered, coefficients: FloatArray, read: float, noise
 class FilterEstimator(CurveEstimator):
     """Estimates by a Kalman filter on the wire's heat balance, with a play between its branches.
 
+    Its ``step`` is that of every estimator with a curve; ``filter_tick`` is what runs in it.
     Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
     """
 

@@ -160,6 +160,7 @@ def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
         return lambda file, group: _own_table(without_groups(file, group))
     if suffix in {".h5", ".hdf5"}:
         return _hdf5_table
+    # A part that reads text of any layout (lab_files) reads CSV, too, and comes first.
     if (read := _offered_reader(path)) is not None:
         return read
     if suffix == ".csv":

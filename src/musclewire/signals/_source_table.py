@@ -1,6 +1,6 @@
 """A table of another program: its columns as they are in the file, before they are matched to ours.
 
-Every reader of a format returns one, and ``headers.py`` matches its columns whatever the format.
+Every reader of a format returns one, and ``_headers`` matches its columns whatever the format.
 """
 
 from __future__ import annotations

@@ -448,6 +448,7 @@ class Protection:
     def temperature_after_k(self, ordered_voltage_v: float, dt_s: float) -> float:
         """Return the temperature [K] that the wire will count as having after so long at an ordered drive."""
         ahead = self.row.copy()
+        # Nothing was read yet: without readings the ordered drive alone counts.
         judged_reading(ahead, self.rules, 0, ordered_voltage_v, math.nan, math.nan, ordered_voltage_v, dt_s)
         return float(ahead["temperature_k"][0])
 
