@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import atexit
+import gc
 import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Generator
 from itertools import count
 from pathlib import Path
 
 # As the command line has it: BLAS on several threads only waits for itself. Before anything loads NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import pytest
 from hypothesis import settings
 from tests.browser.chromium import browser, playwright
 from tests.command_line import musclewire
@@ -45,6 +48,17 @@ def said_in_one_line(error: MusclewireError, *arguments: object) -> None:
 
 
 MusclewireError.__init__ = said_in_one_line  # type: ignore[method-assign]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """Look for no garbage while tests are collected, nor later among what that has made: all of it stays to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_runtest_setup() -> None:

@@ -6,28 +6,24 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-
 # Parts are looked for once, when rigs are first asked for.
 WITHOUT_PARTS = """
 import sys
 import musclewire.manifest as parts
 parts.own_manifests = lambda: iter(())
-from musclewire.app import main
-sys.exit(main())
+from musclewire.app import run
+print([run(["doctor", file]) for file in sys.argv[1:]])
 """
+KEYS = {"instruments": '[[fault]]\nkind = "wire_open"', "grip": '[[load]]\npart = "antagonist"'}
 
 
-@pytest.mark.parametrize(
-    ("key", "part"), [('[[fault]]\nkind = "wire_open"', "instruments"), ('[[load]]\npart = "antagonist"', "grip")]
-)
-def test_a_key_of_a_part_that_is_not_there_is_one_line_that_names_the_part(key: str, part: str, tmp_path: Path) -> None:
-    file = tmp_path / "rig.toml"
-    file.write_text(key, "utf-8")
-    done = subprocess.run(
-        [sys.executable, "-c", WITHOUT_PARTS, "doctor", str(file)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 2
-    (said,) = done.stderr.splitlines()
-    assert f"belongs to the part '{part}'" in said
-    assert str(file) in said
+def test_a_key_of_a_part_that_is_not_there_is_one_line_that_names_the_part(tmp_path: Path) -> None:
+    files = {part: tmp_path / f"{part}_rig.toml" for part in KEYS}
+    for part, file in files.items():
+        file.write_text(KEYS[part], "utf-8")
+    given = [sys.executable, "-c", WITHOUT_PARTS, *map(str, files.values())]
+    done = subprocess.run(given, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [str([2] * len(files))]
+    for (part, file), said in zip(files.items(), done.stderr.splitlines(), strict=True):
+        assert f"belongs to the part '{part}'" in said
+        assert str(file) in said

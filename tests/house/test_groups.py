@@ -44,9 +44,14 @@ def project(pytester: pytest.Pytester) -> pytest.Pytester:
 def test_a_run_without_names_says_what_it_leaves_out_and_how_to_run_it(
     project: pytest.Pytester, processes: tuple[str, ...]
 ) -> None:
+    """And which file needs a package that is missing."""
+    needy = "import pytest\npytest.skip('not run: gmsh is missing', allow_module_level=True)\n"
+    (project.path / "tests/test_solids.py").write_text(needy, encoding="utf-8")
     result = project.runpytest_subprocess(*processes) if processes else project.runpytest_inprocess()
     result.stdout.fnmatch_lines(
         [
+            "*not run: files of tests*",
+            "tests/test_solids.py: not run: gmsh is missing",
             "*not run: groups of tests that nobody named*",
             "    2 slow: takes long",
             f"        run them: {COMMAND} -m slow",
@@ -56,14 +61,6 @@ def test_a_run_without_names_says_what_it_leaves_out_and_how_to_run_it(
             "*1 passed*",
         ]
     )
-
-
-@pytest.mark.parametrize("processes", [(), ("-n", "1")], ids=["one process", "xdist"])
-def test_a_file_that_needs_a_missing_package_is_named(project: pytest.Pytester, processes: tuple[str, ...]) -> None:
-    needy = "import pytest\npytest.skip('not run: gmsh is missing', allow_module_level=True)\n"
-    (project.path / "tests/test_solids.py").write_text(needy, encoding="utf-8")
-    result = project.runpytest_subprocess(*processes)
-    result.stdout.fnmatch_lines(["*not run: files of tests*", "tests/test_solids.py: not run: gmsh is missing"])
 
 
 @pytest.mark.parametrize(
