@@ -28,7 +28,7 @@ def main() -> int:
         print(f"{group}: {name} {value}, published {published}: {note or 'no reason given'}")
     print(f"parameters outside their published range: {len(found)}")
     ranges = published_ranges().derived
-    beyond = [item for item in derived(alloy) if item[0] in ranges and ranges[item[0]].beyond(item[2]) != 0.0]
+    beyond = [item for item in derived(alloy) if item[0] in ranges and ranges[item[0]].excess(item[2]) != 0.0]
     for name, _, value, unit, _ in beyond:
         published = shown_range(ranges[name], name)
         print(f"follows from {ALLOY}: {name} {shown(value, name, unit)}, published {published}: "

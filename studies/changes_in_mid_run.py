@@ -21,7 +21,7 @@ from musclewire_robustness.tasks import TASKS, Change
 
 import musclewire as mw
 from musclewire.extras.studies import Conditions
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 from musclewire.rigs import GuardedRig
 from musclewire.signals import REFERENCE_COLUMNS
 
@@ -79,7 +79,7 @@ def named(plant: str, model: mw.SensingModel, seed: int, run: tuple[str, int], c
         vars(rig.device)["conditions"] = conditions_on(rig, case, seed + track)
         found = mw.control(rig, model, TASKS[task].reference(model, seed + track))
     unseen = {name: one for name, one in found.whole_columns.items() if name not in REFERENCE_COLUMNS}
-    return NAME in [one.key for one in judged(mw.Recording(unseen, found.metadata)).findings]
+    return NAME in [one.key for one in judgement_of(mw.Recording(unseen, found.metadata)).findings]
 
 
 def plants(quick: bool) -> Iterator[tuple[str, range]]:

@@ -128,7 +128,7 @@ def r_phase_text() -> str:
     published = published_ranges().parameters["r_phase_temperature_k"]
     ours = load_alloy("flexinol").values()["r_phase_temperature_k"]
     low, high = (each - ZERO_DEGC_K for each in (published.low, published.high))
-    side = "outside" if published.beyond(ours) else "inside"
+    side = "outside" if published.excess(ours) else "inside"
     return (
         f"Without load the shipped alloy's R-phase is in balance with austenite at {ours - ZERO_DEGC_K:.0f} °C, {side} "
         f"the {low:.0f} to {high:.0f} °C published for binary NiTi."

@@ -119,9 +119,9 @@ def verdict(value: float, name: str, found: PublishedRange | None) -> str:
         return "nothing found"
     if found.is_one_figure:
         return (
-            "the one figure" if found.beyond(value) == 0.0 else f"one figure; ours is {value / found.low:.2g} times it"
+            "the one figure" if found.excess(value) == 0.0 else f"one figure; ours is {value / found.low:.2g} times it"
         )
-    beyond = found.beyond(value)
+    beyond = found.excess(value)
     if beyond == 0.0:
         return "yes"
     factor, _, words = scaled(name, found.unit)
@@ -196,7 +196,7 @@ def former_rows(alloy: Alloy) -> list[tuple[str, str, PublishedRange, float]]:
         (kind, name, found, value)
         for kind, name, found, value in values
         if found is not None and (found.former or not found.is_one_figure)
-        if found.beyond(value) != 0.0 or found.before.beyond(value) != 0.0
+        if found.excess(value) != 0.0 or found.before.excess(value) != 0.0
     ]
 
 
@@ -205,7 +205,7 @@ def former_counts(alloy: Alloy) -> tuple[int, int, int, int]:
     rows = former_rows(alloy)
     one = sum(found.before.is_one_figure for _, _, found, _ in rows)
     parameters = sum(kind == "parameter" for kind, _, _, _ in rows)
-    now = sum(kind == "follows" and found.beyond(value) != 0.0 for kind, _, found, value in rows)
+    now = sum(kind == "follows" and found.excess(value) != 0.0 for kind, _, found, value in rows)
     return parameters - one, one, len(rows) - parameters, now
 
 
@@ -340,7 +340,7 @@ def spools_table(wires: list[Wire]) -> str:
         cells = []
         for wire in wires:
             value, found = spool_values(wire)[name], spool_ranges(wire)[name]
-            text = spool_shown(value, found) if found.beyond(value) == 0.0 else f"**{spool_shown(value, found)}**"
+            text = spool_shown(value, found) if found.excess(value) == 0.0 else f"**{spool_shown(value, found)}**"
             cells.append(text if found == common else f"{text} (of {spool_range(found)})")
         rows.append([f"`{name}`", *cells, spool_range(common)])
     return table(["difference", *(f"`{wire.name}`" for wire in wires), "spools may"], rows)
@@ -427,7 +427,7 @@ def outside(group: Alloy | Wire | Bench) -> dict[str, Parameter]:
     return {
         name: item
         for name, item in group.items()
-        if name in ranges and not ranges[name].is_one_figure and ranges[name].beyond(item.value) != 0.0
+        if name in ranges and not ranges[name].is_one_figure and ranges[name].excess(item.value) != 0.0
     }
 
 
@@ -463,4 +463,4 @@ def outside_as_a_spool(wire: Wire) -> dict[str, float]:
     ranges, values = spool_ranges(wire), spool_values(wire)
     if wire.martensite_barrier_shift_k.value == 0.0:
         del values["martensite_barrier_k"]
-    return {name: value for name, value in values.items() if ranges[name].beyond(value) != 0.0}
+    return {name: value for name, value in values.items() if ranges[name].excess(value) != 0.0}

@@ -6,11 +6,11 @@ imports neither `wire` nor `simulate`, and takes plain numbers by name.
 """
 
 from grain_wire.numbers import Load, spring
-from grain_wire.paths import APART, OWN_SUPPLY, PARALLEL, SERIES, Grip, Pair
+from grain_wire.paths import OWN_SUPPLY, PARALLEL, SEPARATE, SERIES, Grip, Pair
 from grain_wire.wires import GrainPath, GrainWalk, GrainWire, drive_pair, grain_wire
 
 __all__ = [
-    "APART",
+    "SEPARATE",
     "OWN_SUPPLY",
     "PARALLEL",
     "SERIES",

@@ -26,7 +26,7 @@ from grain_wire.switching import Array, follow
 
 # Supply of the second wire: its own, in parallel with the first, or in series; and no common connector.
 OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
-APART = 0.0
+SEPARATE = 0.0
 SMALL_MOVE_M = 1e-13
 MAX_NEWTON_STEPS = 30
 
@@ -134,7 +134,7 @@ def connectors_m(first: Running, second: Running, direction: float) -> tuple[flo
     """Return the displacements of both connectors, from the wire that is not slack."""
     own = first.state.contraction * first.constants.leg_length_m
     other = second.state.contraction * second.constants.leg_length_m
-    if direction == APART:
+    if direction == SEPARATE:
         return own, other
     x = own if first.state.stress_pa > 0.0 or second.state.stress_pa <= 0.0 else direction * other
     return x, direction * x
@@ -206,12 +206,12 @@ def settle_pair(
     first: Running, second: Running, rises_k: tuple[float, float], dt_s: float, pair: Pair, grip: Grip
 ) -> float:
     """Bring both wires into balance after a step; return the force between endpoint and object [N]."""
-    if pair.direction != APART:
+    if pair.direction != SEPARATE:
         stress, other_stress = shared_stresses(first, second, pair.direction)
         settle_at(first, rises_k[0], dt_s, stress)
         settle_at(second, rises_k[1], dt_s, other_stress)
         return 0.0
-    x, y = connectors_m(first, second, APART)
+    x, y = connectors_m(first, second, SEPARATE)
     grip_n, push_n, push_n_per_m = grip_of(grip, x, y)
     _, other_push_n, other_push_n_per_m = grip_of(grip, y, x)
     settle_against(first, rises_k[0], dt_s, push_n, push_n_per_m)

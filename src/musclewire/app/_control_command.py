@@ -135,7 +135,7 @@ def control_answer(
     """Return the answer of a closed loop; its warnings are also printed, but for those that were ``said`` before."""
     from musclewire.app._answers import ControlRunAnswer
     from musclewire.experiment import run_warnings, timing_json
-    from musclewire.judge import judged
+    from musclewire.judge import judgement_of
 
     facts = {"health": "", **run.metadata}
     return ControlRunAnswer.of_run(
@@ -144,7 +144,7 @@ def control_answer(
         known_stiffness_n_per_m=None if load is None else load.stiffness_n_per_m,
         known_friction_n=None if load is None else load.friction_n,
         **{name: facts.get(name) for name in ("estimator", "controller", "health", "ended")},
-        findings=[one.answer for one in judged(run).findings],
+        findings=[one.answer for one in judgement_of(run).findings],
         samples=len(run),
         warnings=[
             *said,
@@ -183,9 +183,9 @@ def print_speed_limits(
 
 def error_of_run(run: ControlRun) -> MusclewireError | None:
     """Return why the result of a run does not hold, None if it does."""
-    from musclewire.judge import judged
+    from musclewire.judge import judgement_of
 
-    return MusclewireError("this does not hold: see the warnings above") if judged(run).does_not_hold else None
+    return MusclewireError("this does not hold: see the warnings above") if judgement_of(run).does_not_hold else None
 
 
 def single_run_options(

@@ -55,7 +55,7 @@ def demo(
     from musclewire.app._answers import DemoAnswer
     from musclewire.app._report.page import write_report
     from musclewire.experiment import friction_warnings, run_demo, run_warnings, step_warnings
-    from musclewire.judge import judged
+    from musclewire.judge import judgement_of
 
     figure.check()
     report = output / "report.html"
@@ -70,7 +70,7 @@ def demo(
     wall_s = time.perf_counter() - started
     model, run, sweep = result.model, result.run, result.sweep
     # Drives, loads and pretensions are the demo's own choice: which limits they exceed is in its report.
-    warn((*judged(run).warnings, *friction_warnings(run), *step_warnings(run)))
+    warn((*judgement_of(run).warnings, *friction_warnings(run), *step_warnings(run)))
     answer = DemoAnswer.of_run(
         run.metrics,
         strain_gap_pct=100 * result.gaps.strain_gap,

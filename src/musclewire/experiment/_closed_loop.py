@@ -126,7 +126,7 @@ class SelfSensingPolicy:
             raise RigError(own.failure)
         now, estimate = self._correction.correction, self._correction.shown(own)
         reference, approach_s, fastest = self._loop.reference, self._loop.approach_s, self._loop.fastest
-        judged = reference.target_at(max(taken_s - approach_s, 0.0))
+        followed = reference.target_at(max(taken_s - approach_s, 0.0))
         target = reference.target_at(max(elapsed_s - approach_s, 0.0))
         # In the model's own zero, which the controller's tables have, and with the estimator's own deviation: what
         # widens the interval is one error for the whole run, and no reason to follow slowly.
@@ -138,8 +138,8 @@ class SelfSensingPolicy:
             self._estimator = self._loop.estimator_of(self._correction.correction)
             self._estimator_state = state_going_on(self._estimator, self._estimator_state)
         factor = (now.scale,) if self._loop.corrects else ()
-        announced = () if fastest is None else (fastest.miss(judged),)
-        seen = (judged, estimate.value, estimate.std, float(estimate.valid))
+        announced = () if fastest is None else (fastest.miss(followed),)
+        seen = (followed, estimate.value, estimate.std, float(estimate.valid))
         return Decision(command, (*sensed, *seen, *controlled, *factor, *announced))
 
 

@@ -28,7 +28,7 @@ from musclewire.experiment._metrics import ControlRun, with_metrics
 from musclewire.experiment._run import what_protects
 from musclewire.experiment._run_warnings import found_in, run_warnings
 from musclewire.experiment._timing_facts import NO_CLOCK
-from musclewire.judge import KEPT, RunCorrection, judged
+from musclewire.judge import KEPT, RunCorrection, judgement_of
 from musclewire.physics import wire_resistance
 from musclewire.rigs import (
     CompiledLoopEnd,
@@ -273,7 +273,7 @@ def compiled_outcomes(
             run = run_of(rig, loop)
             if run is not None:
                 whole = control_run(rig, loop, run)
-                said, against = run_warnings(whole), judged(whole).does_not_hold
+                said, against = run_warnings(whole), judgement_of(whole).does_not_hold
                 return LoopOutcome(case.seed, "done", True, whole.metrics, whole, said, against)
         with open_rig(case.rig, seed=case.seed) as rig:
             return outcome_in_python(rig, loop.model, loop.prepared.reference, loop.choice, case.seed)
@@ -420,4 +420,4 @@ def outcome_in_python(
         run = control(rig, model, reference, **choice.options)
     except (RigError, NumericsError) as error:
         return LoopOutcome(seed, cause_of(error), False, None, getattr(error, "recording", None))
-    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run), judged(run).does_not_hold)
+    return LoopOutcome(seed, "done", False, run.metrics, run, run_warnings(run), judgement_of(run).does_not_hold)

@@ -288,15 +288,15 @@ def control_metrics(recording: Recording, quantity: str, reference: Reference) -
     largest, mean = largest_and_mean([row.mae_pct for row in rows])
     largest_approached, mean_approached = largest_and_mean([row.mae_approached_pct for row in rows])
     loop = JudgedLoop(recording)
-    judged = loop.counted
-    target = recording[f"target_{suffix}"][judged]
+    counted = loop.counted
+    target = recording[f"target_{suffix}"][counted]
     per = float(np.abs(target).max()) or 1.0
-    true = None if measured is None else measured[judged]
+    true = None if measured is None else measured[counted]
     return ControlMetrics(
         quantity=quantity,
         rms_pct=None if true is None else root_mean_square(true - target, per),
-        estimate_rms_pct=None if true is None else root_mean_square(estimated[judged] - true, per),
-        tracking_rms_pct=root_mean_square(estimated[judged] - target, per),
+        estimate_rms_pct=None if true is None else root_mean_square(estimated[counted] - true, per),
+        tracking_rms_pct=root_mean_square(estimated[counted] - target, per),
         steps=rows,
         mae_max_pct=largest,
         mae_mean_pct=mean,

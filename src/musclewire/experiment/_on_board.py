@@ -65,9 +65,9 @@ class TargetPolicy:
             self._board.correct(self._correction.correction)
             self._estimator = self._loop.estimator_of(self._correction.correction)
             self._state = state_going_on(self._estimator, self._state)
-        judged = self._loop.reference.target_at(max(since_s - self._sample_period_s, 0.0))
-        announced = () if self._loop.fastest is None else (self._loop.fastest.miss(judged),)
-        seen = (judged, estimate.value, estimate.std, float(estimate.valid))
+        followed = self._loop.reference.target_at(max(since_s - self._sample_period_s, 0.0))
+        announced = () if self._loop.fastest is None else (self._loop.fastest.miss(followed),)
+        seen = (followed, estimate.value, estimate.std, float(estimate.valid))
         recorded = (self._board.board_resistance_ohm or 0.0, *seen, *factor, *announced)
         return Decision(self._target_at(max(since_s, 0.0)), recorded)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from musclewire.identify import extrapolation_warnings
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 from musclewire.sensing import noise_level
 from musclewire.signals import Recording, asked_once
 
@@ -29,7 +29,7 @@ STATED = (
 
 def run_warnings(recording: Recording) -> tuple[str, ...]:
     """Return the warnings of a run, the most dangerous first; none for a run without any."""
-    beyond, found = asked_once(recording, extrapolation_warnings), judged(recording)
+    beyond, found = asked_once(recording, extrapolation_warnings), judgement_of(recording)
     said = filter(None, map(recording.facts.text_or_none, STATED))
     own = (*friction_warnings(recording), *step_warnings(recording), *said, *found.not_compared)
     return (*force_warnings(recording), *beyond, *found.warnings, *own)
@@ -38,7 +38,7 @@ def run_warnings(recording: Recording) -> tuple[str, ...]:
 def found_in(recording: Recording) -> dict[str, str]:
     """Return what is found in a run, for its own metadata: limits of the alloy, and of a loop what is wrong with it."""
     beyond = asked_once(recording, extrapolation_warnings)
-    return {**({"extrapolation": "; ".join(beyond)} if beyond else {}), **judged(recording).metadata}
+    return {**({"extrapolation": "; ".join(beyond)} if beyond else {}), **judgement_of(recording).metadata}
 
 
 def instrument_warnings(recording: Recording) -> tuple[str, ...]:

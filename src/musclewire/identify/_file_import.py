@@ -138,9 +138,9 @@ class JudgedFile:
         return left_out <= MAX_LEFT_OUT and self.readings.is_of_a_wire(self.plan.metadata)
 
     @cached_property
-    def judged(self) -> JudgedReadings | None:
+    def judged_readings(self) -> JudgedReadings | None:
         """Which of the rows read are measurements; None if there are none to judge, or too many."""
-        return self.readings.judged({**self.plan.metadata, **self.tally.noted})
+        return self.readings.judge({**self.plan.metadata, **self.tally.noted})
 
     def cure(self, problem: RecordingError | None) -> ImportMapping | None:
         """Return what to add to the mapping against a problem, or for what more of a file without one may be read."""
@@ -167,7 +167,7 @@ class JudgedFile:
         # When a file with dates begins, and which readings are no measurements, belongs to the metadata, which come
         # first.
         buffered = list(itertools.islice(blocks, BUFFERED_BLOCKS))
-        judged = self.readings.judged(self.plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
+        judged = self.readings.judge(self.plan.metadata) if len(buffered) < BUFFERED_BLOCKS else None
         found = "; ".join(judged.findings) if judged is not None else ""
         noted = {**self.tally.noted, **({"unusable_readings": found} if found else {})}
         metadata = checked_metadata({**self.tally.started, **self.plan.metadata, **noted})
@@ -189,5 +189,5 @@ class JudgedFile:
         none = next((name for name in ("shunt_voltage_v", "wire_current_a") if ranges.get(name) == (0.0, 0.0)), None)
         if none is not None:
             raise RecordingError(f"{path}: {none} is 0 in every row: no current was measured, record it again")
-        if self.judged is not None and self.judged.contradiction:
-            raise RecordingError(f"{path}: {self.judged.contradiction}")
+        if self.judged_readings is not None and self.judged_readings.contradiction:
+            raise RecordingError(f"{path}: {self.judged_readings.contradiction}")

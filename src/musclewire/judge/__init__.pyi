@@ -6,7 +6,7 @@ from ._defects import recording_defects as recording_defects
 from ._error_causes import ErrorGroup as ErrorGroup
 from ._error_causes import JudgedEstimate as JudgedEstimate
 from ._findings import GRAVE as GRAVE
-from ._findings import judged as judged
+from ._findings import judgement_of as judgement_of
 from ._findings import remedies as remedies
 from ._first_heating import KnownB as KnownB
 from ._first_heating import height_of_b as height_of_b

@@ -1,4 +1,4 @@
-"""What every loop is judged by first: is its drive at a limit, is the wire sensed, does the instrument agree."""
+"""What every loop is sensed by first: is its drive at a limit, is the wire sensed, does the instrument agree."""
 
 from __future__ import annotations
 
@@ -48,11 +48,11 @@ def lasting(marked: Mask, length: int) -> Mask:
 
 def contradicted(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the instrument is beyond the estimate's interval, if they are too many; else none."""
-    error, judged = loop.error, loop.valid & loop.sensed
+    error, sensed = loop.error, loop.valid & loop.sensed
     if error is None:
         return DetectedRows(loop.since(None))
-    beyond = judged & (np.abs(error) > WITHIN_STD * loop.std)
-    if beyond.sum() <= MAX_BEYOND * judged.sum():
+    beyond = sensed & (np.abs(error) > WITHIN_STD * loop.std)
+    if beyond.sum() <= MAX_BEYOND * sensed.sum():
         return DetectedRows(loop.since(None))
     stroke = max(float(np.ptp(loop.estimate - error)), float(np.ptp(loop.estimate)))
     said = f"{100.0 * beyond.mean():.0f} % of the samples"

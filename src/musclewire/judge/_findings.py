@@ -126,12 +126,12 @@ class Judgement:
         )
 
 
-def judged(recording: Recording) -> Judgement:
-    """Return what is wrong in a closed loop; however often it is asked, each detector looks at a recording once."""
-    return asked_once(recording, judgement_of)
-
-
 def judgement_of(recording: Recording) -> Judgement:
+    """Return what is wrong in a closed loop; however often it is asked, each detector looks at a recording once."""
+    return asked_once(recording, judge_loop)
+
+
+def judge_loop(recording: Recording) -> Judgement:
     """Return what is wrong in a closed loop, in one pass over the table."""
     loop = JudgedLoop(recording)
     found = sorted(findings_in(loop), key=lambda one: one.from_s)

@@ -117,9 +117,9 @@ class RunCorrection:
             return
         std = 0.01 * seen.limit_pct / LIMIT_STDS * (known.b_ohm - known.c_ohm) / known.b_ohm
         too_large = log(self.correction.scale / factor_of(seen, known))
-        found = self._doubted.informed(too_large, 1.0, 0.0, std * std)
+        found = self._doubted.updated(too_large, 1.0, 0.0, std * std)
         left = LEFT_FRACTION * 0.01 * seen.away_pct * self._of_characterization.stroke
-        self.correction = found.doubted_by(left * left)
+        self.correction = found.with_zero_less_certain(left * left)
 
     def _look_at_strain(self, resistance_ohm: float, own: QuantityEstimate, taken_s: float) -> None:
         """Keep what was estimated of late, and correct by it once the moment of the known strain has come."""
@@ -145,10 +145,10 @@ class RunCorrection:
         by_scale = (is_at - seen) / log1p(off_ohm / here_ohm)
         # What agrees puts nothing in doubt: it narrows what was not certain, as the room's zero.
         prior = self._doubted if missed.is_away else self.correction
-        found = prior.informed(seen - is_at, by_scale, -1.0, own.std * own.std)
+        found = prior.updated(seen - is_at, by_scale, -1.0, own.std * own.std)
         if missed.is_away:
             left = LEFT_BY_STRAIN * model.stroke, LEFT_FRACTION * missed.above
-            found = found.doubted_by(left[0] * left[0] + left[1] * left[1])
+            found = found.with_zero_less_certain(left[0] * left[0] + left[1] * left[1])
         self.correction = found
 
     @property

@@ -29,8 +29,8 @@ HELD_S = 1.0
 def overshoot(loop: JudgedLoop) -> DetectedRows:
     """Return the samples at which the estimate is too far beyond the target; none if steps with such are too few."""
     target, value, time_s = loop.target, loop.estimate, loop.time_s
-    judged = loop.sensed & np.isfinite(value) & loop.valid
-    moved = float(np.ptp(value[judged])) if judged.any() else 0.0
+    sensed = loop.sensed & np.isfinite(value) & loop.valid
+    moved = float(np.ptp(value[sensed])) if sensed.any() else 0.0
     rows, beyond, n_steps = loop.since(None), [], 0
     for step in loop.holds:
         if time_s[step.stop - 1] - time_s[step.start] + loop.period_s < HELD_S:
@@ -38,7 +38,7 @@ def overshoot(loop: JudgedLoop) -> DetectedRows:
         n_steps += 1
         past = np.sign(target[step.start] - value[step.start]) * (value[step] - target[step.start])
         # A wire that is on the far side still when the target comes has not gone there.
-        counts = judged[step] & np.logical_or.accumulate(past < 0.0)
+        counts = sensed[step] & np.logical_or.accumulate(past < 0.0)
         too_far = counts & (past > MAX_BEYOND * moved) & (past > WITHIN_STD * loop.std[step])
         if too_far.any():
             beyond.append(100.0 * float(past[too_far].max()) / moved)

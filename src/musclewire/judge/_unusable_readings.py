@@ -520,7 +520,7 @@ class ReadingsOfBlocks:
         """Return whether resistance and motion are those of a wire, as far as they are known."""
         return not self._blocks or not self._blocks[0] or pulls_as_a_wire(self._columns(), metadata)
 
-    def judged(self, metadata: Metadata) -> JudgedReadings | None:
+    def judge(self, metadata: Metadata) -> JudgedReadings | None:
         """Return which rows are measurements; None if there are none to judge, or too many."""
         if not self._blocks or not set(MEASURED) & self._blocks[0].keys():
             return None

@@ -47,7 +47,7 @@ class PublishedRange(BaseModel):
         """Whether only one figure was found, which makes no range."""
         return self.low == self.high
 
-    def beyond(self, value: float) -> float:
+    def excess(self, value: float) -> float:
         """Return the distance of a value above (positive) or below (negative) the range, 0 inside; same unit."""
         slack = ROUNDING * max(abs(self.low), abs(self.high))
         if value > self.high + slack:

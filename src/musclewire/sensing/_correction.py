@@ -36,7 +36,7 @@ class Correction(NamedTuple):
         of_zero = self.zero_variance - 2.0 * by_scale * self.covariance
         return max(by_scale * by_scale * self.scale_variance + of_zero, 0.0)
 
-    def informed(self, missed: float, by_scale: float, by_zero: float, variance: float) -> Correction:
+    def updated(self, missed: float, by_scale: float, by_zero: float, variance: float) -> Correction:
         """Return the correction after a Kalman update: its prediction missed by so much, within a variance.
 
         A change of the scale's logarithm, and one of the zero, change the prediction by ``by_scale`` and ``by_zero``.
@@ -52,7 +52,7 @@ class Correction(NamedTuple):
             self.zero_variance - with_zero * with_zero / total,
         )
 
-    def doubted_by(self, variance: float) -> Correction:
+    def with_zero_less_certain(self, variance: float) -> Correction:
         """Return it with a zero that is known less well by such a variance."""
         return self._replace(zero_variance=self.zero_variance + variance)
 

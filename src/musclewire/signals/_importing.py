@@ -53,7 +53,7 @@ from musclewire.signals._source_table import (
     rows_in,
     stated_start_s,
 )
-from musclewire.signals._units import beyond, largest_in, scale_to_si
+from musclewire.signals._units import largest_in, out_of_range_message, scale_to_si
 
 # Which rows of a block, and the numbers of some.
 Rows = NDArray[np.bool_]
@@ -501,7 +501,7 @@ class _BlockReader:
         if too_large.any() and item.how != "own name":
             row = int(np.argmax(too_large))
             where = f"{self._path}: {block.place(int(rows[row]))}, column '{item.header}'"
-            raise RecordingError(f"{where}: {written[row]:g} {item.unit} {beyond(unit_si)}")
+            raise RecordingError(f"{where}: {written[row]:g} {item.unit} {out_of_range_message(unit_si)}")
         return converted
 
     def _refuse_word(self, item: MatchedHeader, block: RowBlock, row: int) -> None:

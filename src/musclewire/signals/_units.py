@@ -132,7 +132,7 @@ def parse_quantity(text: str, unit_si: str) -> float:
         needs = f"; {_dimension(unit_si)} is needed, like {example}" if problem.args[1:] else ""
         raise CallerError(f"'{text}': {problem.args[0]}{needs}") from None
     if abs(value) > largest_in(unit_si):
-        raise CallerError(f"'{text}' {beyond(unit_si)}")
+        raise CallerError(f"'{text}' {out_of_range_message(unit_si)}")
     return value
 
 
@@ -175,7 +175,7 @@ def largest_in(unit_si: str) -> float:
     return _LARGEST.get(unit_si, float("inf"))
 
 
-def beyond(unit_si: str) -> str:
+def out_of_range_message(unit_si: str) -> str:
     """Return what is wrong with a number beyond ``largest_in`` of a unit."""
     return f"is beyond what any bench has ({largest_in(unit_si):g} {unit_si}".rstrip() + "): correct it or its unit"
 
@@ -369,7 +369,7 @@ def measured_in(unit: str, *, difference: bool = False) -> BeforeValidator:
         if isinstance(given, bool):
             raise ValueError(f"{str(given).lower()} is no number: give one in {unit or '1'}, or text with a unit")
         if isinstance(given, (int, float)) and abs(given) > largest_in(unit) and given == given:
-            raise ValueError(f"{given:g} {beyond(unit)}")
+            raise ValueError(f"{given:g} {out_of_range_message(unit)}")
         if not isinstance(given, str):
             return given
         if difference and given.rstrip().endswith(ABSOLUTE):

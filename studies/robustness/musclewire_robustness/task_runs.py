@@ -29,7 +29,7 @@ from musclewire.controllers import Reference
 from musclewire.errors import NumericsError
 from musclewire.experiment import APPROACH_S, control_compiled
 from musclewire.extras.studies import KindOptions, Outcome, Quantity, RunKind, StudyRuns, each
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 from musclewire.rigs import SimulatedDevice
 from musclewire.signals import COLUMN_SUFFIX, reference_quantity
 from musclewire_robustness.recording_runs import StrainServo
@@ -276,8 +276,8 @@ def loop_score(run: Recording, model: SensingModel, case: TaskCase) -> ScoredTas
         float(np.mean(announced[asked])),
         swinging,
         holds,
-        tuple(one.key for one in judged(alone).findings),
-        1 if judged(alone).does_not_hold else 0,
+        tuple(one.key for one in judgement_of(alone).findings),
+        1 if judgement_of(alone).does_not_hold else 0,
         "",
     )
 

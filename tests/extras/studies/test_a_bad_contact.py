@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import musclewire as mw
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 
 pytestmark = pytest.mark.slow
 RIG = 'kind = "segmented"\nsegments = 4\n'
@@ -34,6 +34,6 @@ def test_a_contact_that_comes_loose_is_named_and_a_good_one_is_not(seed: int, tm
     for path in (rig, loose):
         with mw.open_rig(str(path), seed=seed + 10) as opened:
             runs.append(mw.control(opened, model, steps))
-    assert "bad contact" not in judged(runs[0]).does_not_hold
-    assert "bad contact" in judged(runs[1]).does_not_hold
+    assert "bad contact" not in judgement_of(runs[0]).does_not_hold
+    assert "bad contact" in judgement_of(runs[1]).does_not_hold
     assert "by up to" in runs[1].metadata["health"]

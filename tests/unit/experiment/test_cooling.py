@@ -8,7 +8,7 @@ import pytest
 import musclewire as mw
 from musclewire import SensingModel
 from musclewire.experiment import control, cooling_time_s
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 from musclewire.rigs import Answer, HasAnEnd
 from musclewire.signals import Command, RawSample
 
@@ -35,8 +35,8 @@ def test_a_resistance_that_drifts_in_mid_run_is_named(model: SensingModel, drift
 
         rig.device.exchange = exchange  # type: ignore[method-assign]  # a resistance that drifts
         run = control(rig, model, STEPS)
-    assert ("other_height_of_b" in [one.key for one in judged(run).findings]) == bool(drift)
-    assert bool(judged(run).does_not_hold) == bool(drift)
+    assert ("other_height_of_b" in [one.key for one in judgement_of(run).findings]) == bool(drift)
+    assert bool(judgement_of(run).does_not_hold) == bool(drift)
 
 
 def test_the_loop_ends_where_it_did_and_the_cooling_is_a_segment_of_its_own(model: SensingModel) -> None:

@@ -14,7 +14,7 @@ from musclewire.controllers import FeedforwardSettings, FuzzyPidSettings, PidSet
 from musclewire.errors import CallerError
 from musclewire.experiment import LoopChoice, control, control_metrics, run_warnings
 from musclewire.identify import gains_of
-from musclewire.judge import judged
+from musclewire.judge import judgement_of
 from musclewire.sensing import KnownSpring, SensingModel
 from musclewire.signals import Recording
 
@@ -56,9 +56,9 @@ def test_a_resistance_that_has_changed_by_a_hundredth_is_named_as_soon_as_b_is_p
     )
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, other, staircase(0.015, 0.018, 0.003, 2.0))
-    (found,) = [one for one in judged(run).findings if one.key == "other_height_of_b"]
+    (found,) = [one for one in judgement_of(run).findings if one.key == "other_height_of_b"]
     assert found.from_s < 1.0
-    assert judged(run).does_not_hold
+    assert judgement_of(run).does_not_hold
     assert "changed load or resistance" in str(run.metadata["health"])
     assert "without_gains" not in run.metadata
     assert run.metadata["zero_from"] == "kept"
@@ -81,7 +81,7 @@ def test_from_todays_zero_a_resistance_that_has_changed_by_a_hundredth_is_scaled
     assert run["resistance_factor"][0] == 1.0
     assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=5e-4)
     assert "the resistance is scaled by it" in str(run.metadata["health"])
-    assert judged(run).does_not_hold.startswith("changed load or resistance")
+    assert judgement_of(run).does_not_hold.startswith("changed load or resistance")
     assert errors_pct["kept"] > 5.0
     assert errors_pct["today"] < 1.0
 
@@ -92,7 +92,7 @@ def test_from_todays_zero_a_scaled_resistance_is_all_that_is_named(model: Sensin
     )
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, other, staircase(0.015, 0.018, 0.003, 2.0), zero_from="today")
-    assert judged(run).does_not_hold == "changed load or resistance"
+    assert judgement_of(run).does_not_hold == "changed load or resistance"
 
 
 def test_a_zero_that_there_is_not_is_refused_with_the_nearest(model: SensingModel) -> None:
@@ -187,13 +187,13 @@ def from_cold(valid_from: int) -> Recording:
 
 def test_what_comes_before_b_is_no_finding_and_does_not_count_against_what_was_sensed() -> None:
     run = from_cold(200)
-    assert judged(run).findings == ()
+    assert judgement_of(run).findings == ()
     assert control_metrics(run, "strain", staircase()).valid_share == 1.0
 
 
 def test_a_drive_at_its_limit_that_never_comes_to_b_is_found() -> None:
     run = from_cold(600)
-    assert "saturation" in [one.key for one in judged(run).findings]
+    assert "saturation" in [one.key for one in judgement_of(run).findings]
     assert control_metrics(run, "strain", staircase()).valid_share == 0.0
 
 
@@ -220,4 +220,4 @@ def test_a_wire_that_the_air_cools_at_the_largest_power_is_named_so(model: Sensi
     assert "saturation" in health
     assert ": the protection" in health
     assert "hotter than 200 C" in str(run.metadata["held_back"])
-    assert "saturation" in judged(run).does_not_hold
+    assert "saturation" in judgement_of(run).does_not_hold

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from musclewire.experiment import run_warnings
-from musclewire.judge import JudgedLoop, judged
+from musclewire.judge import JudgedLoop, judgement_of
 from musclewire.judge._cooling import seen_cooling
 from musclewire.signals import COOLING_FROM, Recording
 
@@ -55,9 +55,9 @@ def test_a_resistance_that_drifted_while_the_wire_was_hot_is_named_and_the_run_d
     scale: float, side: str, noise_ohm: float
 ) -> None:
     found = run(scale, noise_ohm=noise_ohm)
-    (finding,) = judged(found).findings
+    (finding,) = judgement_of(found).findings
     assert finding.key == "other_height_of_b"
-    assert judged(found).does_not_hold
+    assert judgement_of(found).does_not_hold
     assert "cooling after the loop, the highest resistance is" in run_warnings(found)[0]
     assert f"% of the span from B to C {side} the model's" in run_warnings(found)[0]
 
@@ -67,12 +67,12 @@ def test_a_wire_that_is_still_the_models_is_not_named(noise_ohm: float) -> None:
     seen = seen_cooling(JudgedLoop(run(noise_ohm=noise_ohm)))
     assert seen is not None
     assert not seen.is_away
-    assert judged(run(noise_ohm=noise_ohm)).findings == ()
+    assert judgement_of(run(noise_ohm=noise_ohm)).findings == ()
 
 
 def test_a_slow_wire_that_still_rises_is_not_taken_for_one_that_is_lower() -> None:
-    assert judged(run(lag_s=4.0)).findings == ()
-    assert judged(run(1.01, lag_s=2.0)).findings != ()
+    assert judgement_of(run(lag_s=4.0)).findings == ()
+    assert judgement_of(run(1.01, lag_s=2.0)).findings != ()
 
 
 def test_a_wire_that_was_cold_by_the_end_of_its_loop_has_nothing_to_show() -> None:
@@ -89,5 +89,5 @@ def test_a_wire_that_was_hardly_hot_of_b_is_seen_to_turn() -> None:
 def test_nobody_looked_or_the_model_does_not_say_it() -> None:
     found = run(1.01)
     without = {name: value for name, value in FACTS.items() if name != "model_cooling_ohm"}
-    assert judged(Recording(found.whole_columns, without)).findings == ()
-    assert judged(Recording(found.columns, FACTS)).findings == ()
+    assert judgement_of(Recording(found.whole_columns, without)).findings == ()
+    assert judgement_of(Recording(found.columns, FACTS)).findings == ()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from musclewire.experiment import run_warnings
-from musclewire.judge import JudgedLoop, judged
+from musclewire.judge import JudgedLoop, judgement_of
 from musclewire.judge._first_heating import SeenAtB, seen_at_b
 from musclewire.signals import Recording
 
@@ -82,20 +82,20 @@ def test_a_noisy_run_knows_its_b_less_well() -> None:
 @pytest.mark.parametrize("scale", [0.99, 1.01])
 def test_a_b_at_another_height_is_named_with_its_number_and_does_not_hold(scale: float) -> None:
     run = heated(scale)
-    (found,) = judged(run).findings
+    (found,) = judgement_of(run).findings
     assert found.key == "other_height_of_b"
     assert found.from_s == pytest.approx(0.4, abs=0.1)
-    assert judged(run).does_not_hold
+    assert judgement_of(run).does_not_hold
     side = "above" if scale > 1.0 else "below"
-    assert judged(run).metadata["health"].startswith("changed load or resistance at 0.4")
+    assert judgement_of(run).metadata["health"].startswith("changed load or resistance at 0.4")
     assert f"% of the span from B to C {side} the model's, and repeats within 1.6 %" in run_warnings(run)[0]
 
 
 def test_what_the_bench_repeats_to_is_no_finding() -> None:
     run = heated(1.002)
-    assert judged(run).findings == ()
+    assert judgement_of(run).findings == ()
     assert run_warnings(run) == ()
-    assert not judged(run).does_not_hold
+    assert not judgement_of(run).does_not_hold
 
 
 @pytest.mark.parametrize(
@@ -109,9 +109,9 @@ def test_what_the_bench_repeats_to_is_no_finding() -> None:
 )
 def test_a_run_that_did_not_pass_b_from_cold_says_that_it_is_not_compared(run: Recording, why: str) -> None:
     assert at_b(run) is None, why
-    assert judged(run).findings == ()
+    assert judgement_of(run).findings == ()
     assert "the wire did not pass B from cold" in run_warnings(run)[0]
-    assert not judged(run).does_not_hold
+    assert not judgement_of(run).does_not_hold
 
 
 def test_a_rise_without_heat_is_a_cooling_wire_and_no_b() -> None:

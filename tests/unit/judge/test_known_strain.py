@@ -11,7 +11,7 @@ import musclewire as mw
 from musclewire.controllers import staircase
 from musclewire.errors import CallerError
 from musclewire.experiment import control, run_warnings
-from musclewire.judge import JudgedLoop, judged
+from musclewire.judge import JudgedLoop, judgement_of
 from musclewire.judge._known_strain import MissedBy, compared_with_known
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
@@ -36,7 +36,7 @@ def test_a_loop_whose_resistance_is_a_hundredth_off_is_right_after_one_known_str
     assert np.sqrt(np.mean(error_pct[late] ** 2)) < 1.5
     assert run["resistance_factor"][0] == 1.0
     assert run["resistance_factor"][-1] == pytest.approx(1.0 / 1.01, abs=2e-3)
-    assert "known strain missed" in judged(run).does_not_hold
+    assert "known strain missed" in judgement_of(run).does_not_hold
     assert "the resistance is scaled by 0.9" in str(run.metadata["health"])
     # Cut at its beginning, the recording counts from the beginning of the run all the same.
     assert missed_in(run.between(40)) == missed_in(run)._replace(row=30)  # type: ignore[union-attr]
@@ -53,7 +53,7 @@ def test_a_known_strain_that_agrees_is_no_finding(model: SensingModel) -> None:
     known = float(np.interp(3.5, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model, STEPS, known_strain=(known, 3.5))
-    assert not judged(run).does_not_hold
+    assert not judgement_of(run).does_not_hold
     assert run.metadata["known_strain_at_s"] == 3.5
 
 
@@ -81,7 +81,7 @@ def test_a_true_strain_of_a_wire_that_has_just_moved_is_no_finding(model: Sensin
     known = float(np.interp(at_s, before["time_s"] - before["time_s"][0], before["displacement_m"])) / leg_m
     with mw.open_rig("simulated", seed=4) as rig:
         run = control(rig, model, STEPS, known_strain=[known, at_s])
-    assert not judged(run).does_not_hold
+    assert not judgement_of(run).does_not_hold
     assert run["resistance_factor"][-1] == pytest.approx(1.0, abs=3e-3)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.judge import JudgedLoop, KnownB, judged, odd_resistance
+from musclewire.judge import JudgedLoop, KnownB, judgement_of, odd_resistance
 from musclewire.signals import Recording
 
 KNOWN = KnownB(b_ohm=20.0, c_ohm=17.0, rise_ohm=0.2, std_ohm=0.012, highest_ohm=20.0, sense_voltage_v=0.3)
@@ -140,15 +140,15 @@ def test_few_rows_or_no_span_show_nothing() -> None:
 def test_a_loop_names_the_contact_from_its_first_jump_on_and_does_not_hold() -> None:
     resistance_ohm, drive = followed()
     twice = contact(contact(resistance_ohm, 0.12, 23.2, 23.9), 0.1, 44.0, 44.2)
-    (found,) = judged(loop(twice, drive)).findings
+    (found,) = judgement_of(loop(twice, drive)).findings
     assert (found.key, round(found.from_s)) == ("bad_contact", 23)
-    assert "2 times, by up to 12 %" in judged(loop(twice, drive)).warnings[0]
-    assert judged(loop(twice, drive)).does_not_hold == "bad contact"
-    assert not judged(loop(resistance_ohm, drive)).does_not_hold
+    assert "2 times, by up to 12 %" in judgement_of(loop(twice, drive)).warnings[0]
+    assert judgement_of(loop(twice, drive)).does_not_hold == "bad contact"
+    assert not judgement_of(loop(resistance_ohm, drive)).does_not_hold
 
 
 def test_a_loop_above_its_slow_loop_names_load_or_resistance() -> None:
     resistance_ohm, drive = followed()
     run = loop(resistance_ohm + np.clip(0.2 * (TIME_S - 12.0), 0.0, 2.0), drive)
-    assert judged(run).does_not_hold == "changed load or resistance"
-    assert "above all that the model's slow loop showed" in judged(run).warnings[0]
+    assert judgement_of(run).does_not_hold == "changed load or resistance"
+    assert "above all that the model's slow loop showed" in judgement_of(run).warnings[0]

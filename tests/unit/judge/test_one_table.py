@@ -17,7 +17,7 @@ from tests.places import DOCS
 import musclewire as mw
 from musclewire.app import run
 from musclewire.experiment import run_warnings
-from musclewire.judge import GRAVE, Cause, JudgedLoop, judged, odd_resistance, remedies
+from musclewire.judge import GRAVE, Cause, JudgedLoop, judgement_of, odd_resistance, remedies
 from musclewire.judge._defects import DEFECTS
 from musclewire.judge._findings import ALWAYS, FINDINGS, NEVER
 from musclewire.judge._first_heating import seen_at_b
@@ -91,7 +91,7 @@ def test_in_one_loop_with_its_metrics_and_warnings_each_detector_looks_once(
 ) -> None:
     with mw.open_rig("simulated", seed=4) as rig:
         loop = mw.control(rig, model, mw.staircase(0.015, 0.018, 0.003, 1.5), known_strain=(0.015, 1.0))
-    assert run_warnings(loop)[-1:] == judged(loop).warnings[-1:]
+    assert run_warnings(loop)[-1:] == judgement_of(loop).warnings[-1:]
     assert looks == {one.__name__: 1 for one in DETECTORS}
     (outcome,) = mw.control_many("simulated", model, seeds=[4]).outcomes
     assert outcome.compiled
@@ -115,6 +115,6 @@ def test_a_recording_is_judged_once_and_another_of_other_facts_anew() -> None:
     facts = {"limit_sense_voltage_v": 0.3, "limit_maximum_voltage_v": 3.6, "approach_s": 0.0, "sample_period_s": 0.05}
     rows = {"time_s": 0.05 * np.arange(1, 401), "drive_voltage_v": np.full(400, 2.0)}
     missed = mw.Recording({**rows, "target_strain": np.full(400, 0.02), "estimated_strain": np.full(400, 0.03)}, facts)
-    assert judged(missed) is judged(missed)
-    assert [one.key for one in judged(missed).findings] == ["target_missed"]
-    assert judged(missed.with_metadata(sensed_range=2.0)).findings == ()
+    assert judgement_of(missed) is judgement_of(missed)
+    assert [one.key for one in judgement_of(missed).findings] == ["target_missed"]
+    assert judgement_of(missed.with_metadata(sensed_range=2.0)).findings == ()

@@ -31,13 +31,13 @@ def of(name: str, **changed: Any) -> dict[str, Any]:
 def test_beyond_is_the_signed_distance_from_the_nearer_edge_and_rounding_lies_on_it(
     value: float, beyond: float
 ) -> None:
-    assert PublishedRange.model_validate(DENSITY).beyond(value) == pytest.approx(beyond, abs=0.0)
+    assert PublishedRange.model_validate(DENSITY).excess(value) == pytest.approx(beyond, abs=0.0)
 
 
 def test_a_widened_range_is_asked_for_what_it_was() -> None:
     found = PublishedRange.model_validate(DENSITY | {"former": (6460.0, 6470.0)})
-    assert (found.beyond(6455.0), found.before.beyond(6455.0)) == (0.0, -5.0)
-    assert PublishedRange.model_validate(DENSITY).before.beyond(6455.0) == 0.0
+    assert (found.excess(6455.0), found.before.excess(6455.0)) == (0.0, -5.0)
+    assert PublishedRange.model_validate(DENSITY).before.excess(6455.0) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -59,7 +59,7 @@ def test_the_ranges_that_ship_are_those_of_actuator_wire() -> None:
     isobars = read_published("flexinol_isobars")
     slope = ranges["martensite_stress_rate_pa_per_k"]
     for branch in BRANCHES:
-        assert slope.beyond(1e6 * isobars[f"{branch}_slope_mpa_per_k"]) == 0.0
+        assert slope.excess(1e6 * isobars[f"{branch}_slope_mpa_per_k"]) == 0.0
     held_out = isobars["held_out"]
     widths = [
         abs(row[2] - row[0]) for table in (isobars, held_out) for branch in BRANCHES for row in table[f"{branch}_degc"]
@@ -75,7 +75,7 @@ def test_the_ranges_that_ship_are_those_of_actuator_wire() -> None:
     ]
     hysteresis = published_ranges().derived["martensite_hysteresis_k"]
     assert hysteresis.low == pytest.approx(min(gaps), abs=0.05)
-    assert hysteresis.beyond(max(gaps)) == 0.0
+    assert hysteresis.excess(max(gaps)) == 0.0
     barrier = ranges["martensite_barrier_k"]
     assert (2.0 * barrier.low, 2.0 * barrier.high) == (hysteresis.low, hysteresis.high)
     assert (barrier.low, barrier.high) == (
@@ -108,7 +108,7 @@ def test_one_figure_is_no_range_to_lie_in() -> None:
     alloy = load_alloy("flexinol")
     one = published_ranges().parameters["martensite_resistivity_per_k"]
     assert one.is_one_figure
-    assert one.beyond(alloy.martensite_resistivity_per_k.value) != 0.0
+    assert one.excess(alloy.martensite_resistivity_per_k.value) != 0.0
     assert "martensite_resistivity_per_k" not in outside(alloy)
 
 

@@ -25,7 +25,7 @@ def test_evidence_combines_as_weighted_least_squares(evidence: list[tuple[float,
     found, information, vector = DOUBTED, np.diag([1.0 / 0.03**2, 1.0 / 6e-4**2]), np.zeros(2)
     for missed, by_scale, by_zero, variance in evidence:
         row, now = np.array([by_scale, by_zero]), np.array([log(found.scale), found.zero])
-        found = found.informed(missed, by_scale, by_zero, variance)
+        found = found.updated(missed, by_scale, by_zero, variance)
         information, vector = (
             information + np.outer(row, row) / variance,
             vector + row * (row @ now - missed) / variance,
@@ -40,7 +40,7 @@ def test_evidence_combines_as_weighted_least_squares(evidence: list[tuple[float,
 
 def test_what_is_believed_stays_whatever_is_missed() -> None:
     assert Correction().is_believed
-    assert Correction().informed(1e-3, -0.2, -1.0, 1e-8) == Correction()
+    assert Correction().updated(1e-3, -0.2, -1.0, 1e-8) == Correction()
 
 
 @given(st.floats(0.97, 1.03))

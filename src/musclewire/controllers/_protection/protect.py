@@ -312,7 +312,7 @@ def judged_reading(
         row["missing_s"] = 0.0  # this one is there, but too many have been missing to drive by them
     else:
         follow(row, rule, PRESENT, 0.0, NO_EVENT, 0.0)
-    return judged(row, rule, seen, dt_s)
+    return act_on_conditions(row, rule, seen, dt_s)
 
 
 @compiled_inner
@@ -328,7 +328,7 @@ def miss_reading(row: Row, rules: Row, event: int, dt_s: float) -> None:
 
 
 @compiled_inner
-def judged(row: Row, rules: Row, seen: tuple[bool, ...], dt_s: float) -> bool:
+def act_on_conditions(row: Row, rules: Row, seen: tuple[bool, ...], dt_s: float) -> bool:
     """Let the first condition that has lasted long enough act; whether none is seen."""
     acting, sound = -1, True
     for place in range(CONDITIONS):

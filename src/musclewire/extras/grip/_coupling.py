@@ -25,7 +25,7 @@ from musclewire.wire import (
 )
 
 # Direction of a second wire that has a connector of its own.
-APART = 0.0
+SEPARATE = 0.0
 # Connector and endpoint are found to within this: a wire's force changes by about 1e-9 N over it.
 CLOSE_M = 1e-13
 # A force on the object, or a push on a finger, is found to within this.

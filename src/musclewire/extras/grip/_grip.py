@@ -230,10 +230,10 @@ def grip(
     }  # fmt: skip
     with rig.holding_back():
         recording = run_on_rig(rig, policy, REST_S + closing_s + hold_s, metadata=metadata, **run)
-    return judged(recording, policy)
+    return with_results(recording, policy)
 
 
-def judged(recording: Recording, policy: GripPolicy) -> GripRun:
+def with_results(recording: Recording, policy: GripPolicy) -> GripRun:
     """Return a grip with its results, and the instrument's if there is one."""
     run = GripRun(recording.columns, recording.metadata, target_n=policy.target_n)
     if not policy.state.touched:

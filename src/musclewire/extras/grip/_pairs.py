@@ -14,7 +14,7 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inline
 from musclewire.extras.grip._coupling import (
-    APART,
+    SEPARATE,
     BalanceGuess,
     CoupledBalance,
     GrippedObject,
@@ -229,7 +229,7 @@ def attempt_both(
     second_end = wire_ahead(second.state, second.constants, second_half_j, second_j)
     first_start = start_of(first.state, first.constants, first_j, first_end)
     second_start = start_of(second.state, second.constants, second_j, second_end)
-    if setting.pair.direction != APART:
+    if setting.pair.direction != SEPARATE:
         joint = balance_connector(first, second, setting.pair.direction, first_start, second_start)
     else:
         joint = hold_object(first, second, setting.grip, grip_n, first_start, second_start)
@@ -280,11 +280,11 @@ def accept_pair_step(
     first, second = wires
     joint = tried.joint
     direction = setting.pair.direction
-    if direction != APART:  # the common connector, set below, does not follow a single slack wire
+    if direction != SEPARATE:  # the common connector, set below, does not follow a single slack wire
         first.state.connector_contraction, second.state.connector_contraction = -math.inf, -math.inf
     accept_coupled_step(first, tried.first, joint.push, began.first, step_s, joined)
     accept_coupled_step(second, tried.second, joint.second_push, began.second, step_s, joined)
-    if direction != APART:
+    if direction != SEPARATE:
         lengths = first.constants.leg_length_m / second.constants.leg_length_m
         first.state.connector_contraction, first.state.friction_n = joint.contraction, joint.friction_n
         second.state.connector_contraction = direction * joint.contraction * lengths
@@ -339,7 +339,7 @@ def shown(wires: RunningPair, setting: PairSetting, instant: PairInstant) -> Ave
     first_m = first.connector_contraction * wires.first.constants.leg_length_m
     second_m = second.connector_contraction * wires.second.constants.leg_length_m
     grip_n = 0.0
-    if setting.pair.direction != APART:
+    if setting.pair.direction != SEPARATE:
         second_m = setting.pair.direction * first_m
     elif setting.grip.stiffness_n_per_m > 0.0:
         grip_n = grip_force_n(setting.grip, first_m, second_m)
@@ -373,7 +373,7 @@ def advance_both(wires: RunningPair, setting: PairSetting, plan: FloatArray, sum
     while steps_left > 0 if fixed else left_s > 0.0:
         if not fixed:  # equal steps over what is left, none longer than the tolerance asks for
             step_s = left_s / math.ceil(left_s / step_s * (1.0 - 1e-9))
-        joined = setting.pair.direction != APART or seen.grip_n > 0.0
+        joined = setting.pair.direction != SEPARATE or seen.grip_n > 0.0
         tried = attempt_both(wires, setting, joined, began, seen.grip_n, step_s)
         if not fixed:
             ratio = error_ratio_of_both(wires, tried, began, step_s, plan)

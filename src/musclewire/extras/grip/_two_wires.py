@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from musclewire.errors import CallerError
-from musclewire.extras.grip._coupling import APART, GrippedObject, no_grip
+from musclewire.extras.grip._coupling import SEPARATE, GrippedObject, no_grip
 from musclewire.extras.grip._pairs import OWN_SUPPLY, PARALLEL, SERIES, PairConnection, advance_pair
 from musclewire.parameters import Wire, load_alloy, load_wire
 from musclewire.rigs import FingerTendon, LoadPart, SimulatedLoad, SimulatedSpool, tabulated_m
@@ -25,7 +25,7 @@ from musclewire.wire import (
 )
 
 # Codes of pulls and feeds in the kernel.
-DIRECTIONS = {"along": 1.0, "against": -1.0, "apart": APART}
+DIRECTIONS = {"along": 1.0, "against": -1.0, "apart": SEPARATE}
 FEEDS = {"own": OWN_SUPPLY, "parallel": PARALLEL, "series": SERIES}
 
 
@@ -60,7 +60,7 @@ class TwoWires:
     @property
     def slack_m(self) -> float:
         """The larger of both lengths [m]; 0 on a common connector, where a slack wire is moved by the other one."""
-        if self._pair.direction != APART:
+        if self._pair.direction != SEPARATE:
             return 0.0
         return max(state.slack * one.leg_length_m for state, one in zip(self._states, self._both, strict=True))
 

@@ -47,14 +47,14 @@ def rows_text(result: Reproduction) -> str:
 
 def summary_text(result: Reproduction) -> str:
     """Return how many rows of each origin hold, and the names of the failures by whether they are known."""
-    from musclewire.extras.paper._reproduce.verdicts import APART
+    from musclewire.extras.paper._reproduce.verdicts import CANNOT_FAIL
 
     reported = len(result.rows) - len(result.judged_rows)
     apart = len(result.judged_rows) - len(result.counted_rows)
     worse = sum(row.is_worse for row in result.counted_rows)
     said = f"{result.holding} of {len(result.counted_rows)} rows hold"
     said += f", {worse} of them only by their tolerance, worse than the paper's" if worse else ""
-    said += f"; {apart} more cannot fail ({', '.join(APART)}) and are not counted" if apart else ""
+    said += f"; {apart} more cannot fail ({', '.join(CANNOT_FAIL)}) and are not counted" if apart else ""
     said += f"; {reported} more are reported and not judged" if reported else ""
     lines = ["", seeds_text(result.seeds), origins_text(result), said, *lacking_lines(result.lacking)]
     groups = (

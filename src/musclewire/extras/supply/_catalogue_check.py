@@ -173,11 +173,11 @@ def compare_catalogue() -> list[CatalogueComparison]:
         for wire_class in CLASSES:
             name = f"flexinol-{row.name}-{wire_class}"
             run = run_catalogue_test(alloy, load_wire(name), bench, row.current_a)
-            compared.append(judged(name, row, wire_class, run))
+            compared.append(compared_with_row(name, row, wire_class, run))
     return compared
 
 
-def judged(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> CatalogueComparison:
+def compared_with_row(name: str, row: CatalogueRow, wire_class: str, run: CatalogueRun) -> CatalogueComparison:
     """Return a wire's test with its verdicts."""
     low, high = JUDGED_SIZES_MM
     counts = wire_class == JUDGED_CLASS and low <= row.diameter_mm <= high

@@ -14,7 +14,7 @@ from grain_wire import Grip as GrainGrip
 from grain_wire import Pair as GrainPair
 from grain_wire import drive_pair as grain_wire_pair
 from grain_wire import grain_wire
-from musclewire.extras.grip._coupling import APART, GrippedObject, no_grip
+from musclewire.extras.grip._coupling import SEPARATE, GrippedObject, no_grip
 from musclewire.extras.grip._pairs import OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair
 from musclewire.wire import (
     ConnectorLoad,
@@ -110,7 +110,7 @@ class Case(NamedTuple):
 CASES = {
     "parallel": Case((wire(spring_load(800.0)), wire()), PairConnection(1.0, PARALLEL, 0.0, 1.0), no_grip()),
     "antagonist": Case((wire(spring_load(200.0)), wire()), PairConnection(-1.0, OWN_SUPPLY, 1.5, 1.0), no_grip()),
-    "grip": Case((wire(finger_load()), wire(finger_load())), PairConnection(APART, SERIES, 0.0, 1.0), grip()),
+    "grip": Case((wire(finger_load()), wire(finger_load())), PairConnection(SEPARATE, SERIES, 0.0, 1.0), grip()),
 }
 
 
@@ -219,10 +219,10 @@ STIFF = {
         (wire(spring_load(100.0)), thick()), PairConnection(-1.0, OWN_SUPPLY, 2.8, 1.0), no_grip()
     ),
     "steel between fingers": Case(
-        (wire(finger_load()), thick(finger_load())), PairConnection(APART, OWN_SUPPLY, 2.6, 1.0), grip(1e7, 0.0)
+        (wire(finger_load()), thick(finger_load())), PairConnection(SEPARATE, OWN_SUPPLY, 2.6, 1.0), grip(1e7, 0.0)
     ),
     "steel between soft fingers": Case(
-        (wire(finger_load()), wire(finger_load())), PairConnection(APART, SERIES, 0.0, 1.0), grip(1e7)
+        (wire(finger_load()), wire(finger_load())), PairConnection(SEPARATE, SERIES, 0.0, 1.0), grip(1e7)
     ),
 }
 
@@ -237,7 +237,7 @@ def test_what_is_stiff_leaves_no_step_unsolved(name: str) -> None:
     assert [state.unsolved_steps for state in (*coarse[-1], *fine[-1])] == [0.0] * 4
     for state, same in zip(coarse[-1], fine[-1], strict=True):
         assert state.temperature_k == pytest.approx(same.temperature_k, abs=0.05)
-    if pair.direction == APART:
+    if pair.direction == SEPARATE:
         assert max(mean.grip_n for mean in means) > 0.2, "the fingers must have held it"
 
 

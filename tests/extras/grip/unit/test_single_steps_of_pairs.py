@@ -27,7 +27,7 @@ from test_pairs import (
 )
 from wire_makers import stored_heat_j
 
-from musclewire.extras.grip._coupling import APART, no_grip
+from musclewire.extras.grip._coupling import SEPARATE, no_grip
 from musclewire.extras.grip._pairs import OWN_SUPPLY, PARALLEL, SERIES, PairConnection, PairMeans, advance_pair
 from musclewire.wire import StepControl, WireState, advance, fixed_steps, resting_state, spring_load
 
@@ -40,7 +40,7 @@ UNLIKE = {
         PairConnection(-1.0, OWN_SUPPLY, 1.2, 1.5),
         no_grip(),
     ),
-    "grip": Case((wire(finger_load()), thick(finger_load(), 1.1)), PairConnection(APART, SERIES, 0.0, 1.0), grip()),
+    "grip": Case((wire(finger_load()), thick(finger_load(), 1.1)), PairConnection(SEPARATE, SERIES, 0.0, 1.0), grip()),
 }
 DRIVE_V = {"parallel": 4.5, "antagonists": 3.2, "grip": 5.5}
 HEATED_S = {"parallel": 0.5, "antagonists": 0.5, "grip": 1.0}
@@ -176,7 +176,7 @@ def test_a_pair_that_shares_nothing_steps_like_two_single_wires_to_the_bit() -> 
     both = (wire(spring_load(588.6)), thick(spring_load(300.0)))
     states = alone = (resting_state(both[0]), resting_state(both[1]))
     for own_v, other_v in ((3.5, 4.5), (3.5, 0.5), (0.3, 4.5)):
-        pair = PairConnection(APART, OWN_SUPPLY, other_v, both[1].series_resistance_ohm)
+        pair = PairConnection(SEPARATE, OWN_SUPPLY, other_v, both[1].series_resistance_ohm)
         for stepping in (TEN_MS, StepControl()):
             states, means = advance_pair(states, both, pair, no_grip(), own_v, 0.2, stepping)
             if stepping is TEN_MS:

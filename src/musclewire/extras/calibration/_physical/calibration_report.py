@@ -265,5 +265,5 @@ def key_numbers(calibration: Calibration) -> list[NumberCard]:
 def channel_row(title: str, pair: ChannelComparison) -> tuple[object, ...]:
     """Return the residuals of a channel as cells."""
     off = f"{100.0 * pair.rms:.3g} % strain" if pair.channel.unit == "1" else f"{pair.rms:.3g} {pair.channel.unit}"
-    judged = "followed" if pair.normalised_rms <= FOLLOWED_WITHIN else Markup("<b>not followed</b>")
-    return Path(title).name, pair.channel.name, off, f"{pair.normalised_rms:.2f}", judged
+    verdict = "followed" if pair.normalised_rms <= FOLLOWED_WITHIN else Markup("<b>not followed</b>")
+    return Path(title).name, pair.channel.name, off, f"{pair.normalised_rms:.2f}", verdict

@@ -29,7 +29,7 @@ ORIGINS: tuple[Origin, ...] = (
     "predicted", "interpolated", "fitted", "chosen", "designed", "satisfied", "definition", "input",
 )  # fmt: skip
 # Rows of these cannot fail unless the code is wrong: they stand apart, and are not among those that hold.
-APART: tuple[Origin, ...] = ("satisfied", "definition", "input")
+CANNOT_FAIL: tuple[Origin, ...] = ("satisfied", "definition", "input")
 # Probability that the median of a row over all seeds is outside the interval about that over ours.
 OUTSIDE = 0.05
 # A row fails, whatever its median, if this part of the seeds or more gives no number.
@@ -73,7 +73,7 @@ class ReproductionRow:
     @property
     def is_counted(self) -> bool:
         """Whether the row is among those that are counted: it is judged, and can fail."""
-        return self.is_judged and self.origin not in APART
+        return self.is_judged and self.origin not in CANNOT_FAIL
 
     @property
     def is_worse(self) -> bool:
