@@ -96,7 +96,7 @@ def import_recording(
         problem = file.first_problem()
     # A file may be readable, and what was measured of the wire may have names that are not known.
     proposal = _read_by(Path(path), wanted, file.cure(problem))
-    said = (*(file.judged.findings if file.judged is not None else ()), *file.readings.notes)
+    said = (*(file.judged_readings.findings if file.judged_readings is not None else ()), *file.readings.notes)
     return interpretation_of(file.plan, file.tally, said, "" if problem is None else str(problem), proposal)
 
 
