@@ -61,6 +61,21 @@ def power_in(recording: Recording) -> FloatArray | None:
     return judged.circuit.wire_v * judged.circuit.shunt_v / judged.circuit.shunt_ohm if judged.has_current else None
 
 
+def has_power(recording: Recording) -> bool:
+    """Return whether power follows from the resistance: by a voltage or a current next to it."""
+    return "wire_voltage_v" in recording or "wire_current_a" in recording
+
+
+def heating_power_w(
+    recording: Recording, resistance_ohm: FloatArray, rows: NDArray[np.intp] | None = None
+) -> FloatArray:
+    """Return the power [W] at some rows, or all, by their resistance, and the voltage or else the current."""
+    by_voltage = "wire_voltage_v" in recording
+    values = recording["wire_voltage_v" if by_voltage else "wire_current_a"]
+    squared = (values if rows is None else values[rows]) ** 2
+    return squared / resistance_ohm if by_voltage else squared * resistance_ohm
+
+
 def why_warm_at_start(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
     """Return how a recording shows that the wire was colder later than in its first rows; "" if it does not.
 

@@ -18,6 +18,8 @@ from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recordings import (
     DIVIDED_BY,
+    has_power,
+    heating_power_w,
     measured_quantity,
     over_cold_resistance,
     required_quantity,
@@ -73,13 +75,13 @@ MEAN_SAMPLES = 33
 def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
     """Return the samples in which the wire is between B and C, (n_times,).
 
-    Without a voltage there is no power to locate B by; then only resistances that no cold wire has count.
+    Without power there is nothing to locate B by; then only resistances that no cold wire has count.
     """
-    if "wire_voltage_v" not in recording:
+    if not has_power(recording):
         span = model.resistance_max_ohm - model.resistance_min_ohm
         return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
     some_ohm = np.where(reading.valid, reading.resistance_ohm, 1.0)
-    power_w = recording["wire_voltage_v"] ** 2 / some_ohm
+    power_w = heating_power_w(recording, some_ohm)
     return sensed_since_extremes(model, reading.resistance_ohm, power_w, reading.valid)
 
 
@@ -300,7 +302,7 @@ def power_loop(
 
     The loop begins and ends with the wire cold, a fifth of its own length before and after points A.
     """
-    if "wire_voltage_v" not in recording:
+    if not has_power(recording):
         return ()
     loop = find_segments(reading.resistance_ohm, measured, reading.valid, cycle, quantity)
     first, last = sorted((loop.heating_a, loop.cooling_a))
@@ -308,7 +310,8 @@ def power_loop(
     there = np.flatnonzero(reading.valid)
     there = there[(there >= first - around) & (there <= last + around)]
     resistance = reading.resistance_ohm[there]
-    rows = np.stack([recording["time_s"][there], recording["wire_voltage_v"][there] ** 2 / resistance, resistance])
+    power_w = heating_power_w(recording, resistance, there)
+    rows = np.stack([recording["time_s"][there], power_w, resistance])
     means = [part.mean(axis=1) for part in np.array_split(rows, min(LOOP_ROWS, there.size), axis=1)]
     return tuple((float(f"{t:.7g}"), float(f"{p:.7g}"), float(f"{r:.7g}")) for t, p, r in means)
 
@@ -343,7 +346,7 @@ def motion_in(recording: Recording, reading: ArrayReading, measured: FloatArray,
     """Return the motion of a wire in a recording, as means over a bounded number of rows."""
     there = np.flatnonzero(reading.valid)
     time_s, resistance_ohm = recording["time_s"][there], reading.resistance_ohm[there]
-    power_w = recording["wire_voltage_v"][there] ** 2 / resistance_ohm
+    power_w = heating_power_w(recording, resistance_ohm, there)
     span_ohm = model.resistance_max_ohm - model.resistance_min_ohm
     rows = np.stack(
         [

@@ -213,3 +213,11 @@ def test_the_filter_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
     alone = Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
     with pytest.raises(RecordingError, match="add the column wire_current_a or wire_voltage_v, or choose"):
         estimate(fit(loop), alone, estimator="filter")
+
+
+def test_resistance_and_current_without_a_voltage_show_the_same_loop(loop: Recording) -> None:
+    current_a = loop["shunt_voltage_v"] / float(loop.metadata["shunt_resistance_ohm"])
+    kept = {name: loop[name] for name in ("time_s", "displacement_m", "cycle")}
+    columns = {**kept, "wire_current_a": current_a, "wire_resistance_ohm": loop["wire_voltage_v"] / current_a}
+    alone, whole = fit(Recording(columns, loop.metadata)), fit(loop)
+    np.testing.assert_allclose(alone.slow_loop, whole.slow_loop, rtol=1e-6)
