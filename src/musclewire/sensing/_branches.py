@@ -59,20 +59,15 @@ def single_valued(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str = "this
         raise RecordingError(
             f"{name} branch: every resistance is {resistance[0]:.6g} ohm, nothing to compare; check the column"
         )
-    window = _window(resistance, quantity)
+    max_window = int(MAX_WINDOW_FRACTION * resistance.size)
+    window = max(
+        smoothing_window(noise_level(column), float(np.ptp(column)), max_window) for column in (resistance, quantity)
+    )
     pooled = isotonic_regression(smooth(resistance, window))
     starts = np.asarray(pooled.blocks[:-1])
     counts = np.diff(np.asarray(pooled.blocks))
     means = np.add.reduceat(smooth(quantity, window), starts) / counts
     return Branch(np.asarray(pooled.x, dtype=np.float64)[starts], means)
-
-
-def _window(resistance: FloatArray, quantity: FloatArray) -> int:
-    """Return the smoothing window that the noisier of both columns needs."""
-    max_window = int(MAX_WINDOW_FRACTION * resistance.size)
-    return max(
-        smoothing_window(noise_level(column), float(np.ptp(column)), max_window) for column in (resistance, quantity)
-    )
 
 
 def _without_repeats(branch: Branch) -> Branch:

@@ -423,7 +423,12 @@ class ResistanceCurve:
         room = QUANTITY_MARGIN * (self.quantity_max - self.quantity_min)
         outside = ~((wanted >= self.quantity_min - room) & (wanted <= self.quantity_max + room))
         if outside.any():
-            raise CallerError(self._out_of_range(float(wanted[outside].flat[0])))
+            factor, unit = SHOWN_AS[self.quantity]
+            raise CallerError(
+                f"{self.quantity} {factor * float(wanted[outside].flat[0]):.4g} {unit} is outside the model's valid "
+                f"range {factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
+                "choose a value within, or fit a loop that reaches further"
+            )
         fraction = self._inverse(np.clip(wanted, self.quantity_min, self.quantity_max))
         span = self.resistance_max_ohm - self.resistance_min_ohm
         result = self.resistance_min_ohm + fraction * span
@@ -476,15 +481,6 @@ class ResistanceCurve:
         """Raise CallerError for a model of another quantity than strain."""
         if self.quantity != "strain":
             raise CallerError(f"this is a model of {self.quantity}, not of strain: use value() or estimate()")
-
-    def _out_of_range(self, wanted: float) -> str:
-        """Return the message on a quantity outside the valid range."""
-        factor, unit = SHOWN_AS[self.quantity]
-        return (
-            f"{self.quantity} {factor * wanted:.4g} {unit} is outside the model's valid range "
-            f"{factor * self.quantity_min:.4g} to {factor * self.quantity_max:.4g} {unit}: "
-            "choose a value within, or fit a loop that reaches further"
-        )
 
 
 def other_wires(curve: ResistanceCurve, resistance_ohm: FloatArray) -> npt.NDArray[np.bool_]:

@@ -172,7 +172,13 @@ DERIVED = {"format", "version", "order", "unit", "quantity_min", "quantity_max",
 def save_model(model: FittedCurve, path: str | PathLike[str]) -> None:
     """Write the model as JSON, whole or not at all; CallerError if the folder cannot be written."""
     target = Path(path)
-    text = json.dumps(_contents(model), indent=1, allow_nan=False) + "\n"
+    keys = {
+        "format": MODEL_FORMAT,
+        "version": MODEL_VERSION,
+        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in NOT_OF_MODEL},
+    }
+    checked = ModelFile.model_validate_json(json.dumps(keys, allow_nan=False))
+    text = json.dumps(keys | {"checksum": checked.checksum_of_numbers()}, indent=1, allow_nan=False) + "\n"
     if len(text) > MAX_BYTES:
         raise CallerError(f"model file {target} would take {len(text)} bytes: shorten the wire notes")
     write_text_whole(target, text)
@@ -232,17 +238,6 @@ def _is_recording(source: Path) -> bool:
         return bool(import_plan(source, ImportMapping()).match.taken)
     except MusclewireError:
         return False
-
-
-def _contents(model: FittedCurve) -> dict[str, Any]:
-    """Return the keys of a model's file."""
-    keys = {
-        "format": MODEL_FORMAT,
-        "version": MODEL_VERSION,
-        **{name: _plain(getattr(model, name)) for name in ModelFile.model_fields if name not in NOT_OF_MODEL},
-    }
-    contents = ModelFile.model_validate_json(json.dumps(keys, allow_nan=False))
-    return keys | {"checksum": contents.checksum_of_numbers()}
 
 
 def _plain(value: Any) -> Any:
@@ -307,9 +302,5 @@ def _first(error: ValidationError) -> str:
     where = ".".join(str(part) for part in fault["loc"])
     if fault["type"] == "missing":
         return f"key {where!r} is missing"
-    return f"{where}: {_short(fault['msg'].removeprefix('Value error, '))}"
-
-
-def _short(message: object) -> str:
-    """Return a message as one line of at most 160 characters."""
-    return " ".join(str(message).split())[:160]
+    message = " ".join(fault["msg"].removeprefix("Value error, ").split())
+    return f"{where}: {message[:160]}"

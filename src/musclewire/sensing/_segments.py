@@ -201,18 +201,13 @@ def _usable(
             f"{place.size} usable samples of {mask.size}: a loop needs at least {MIN_SAMPLES}, better 200"
         )
     resistance, contraction = resistance[place], contraction[place]
-    _check_values(resistance, contraction, place, quantity)
-    return place, resistance, contraction
-
-
-def _check_values(resistance: FloatArray, contraction: FloatArray, place: npt.NDArray[np.intp], quantity: str) -> None:
-    """Raise RecordingError for a resistance or quantity that is not finite, or a resistance not above 0."""
     bad = ~(np.isfinite(resistance) & np.isfinite(contraction) & (resistance > 0.0))
     if bad.any():
         raise RecordingError(
             f"{int(bad.sum())} of {bad.size} samples have no finite positive resistance and finite {quantity}, "
             f"the first at index {int(place[np.argmax(bad)])}: mark them in `valid` or drop them"
         )
+    return place, resistance, contraction
 
 
 def _shown(value: float, quantity: str) -> str:
