@@ -118,7 +118,9 @@ class KnownB(NamedTuple):
         if hot or seen_ohm - cold_ohm < COLD_RISE * self.rise_ohm:
             return None
         percent = 100.0 / span_ohm
-        std_ohm = hypot(self.std_ohm, noise_at(at, resistance_ohm, drive_voltage_v))
+        # The noise of B's reading by its drive, from the rows before; 0 if they are too few.
+        noise_ohm = noise_level(resistance_ohm[:at], drive_voltage_v[:at] / drive_voltage_v[at])
+        std_ohm = hypot(self.std_ohm, noise_ohm)
         return SeenAtB(at, percent * (seen_ohm - self.b_ohm), percent * LIMIT_STDS * std_ohm)
 
 
@@ -147,11 +149,6 @@ def height_of_b(model: SensingModel) -> dict[str, MetadataValue]:
         "model_b_std_ohm": std_ohm,
         **({"model_cooling_ohm": float(cooling_ohm.max())} if shows_it else {"cooling_not_compared": NO_COOLING}),
     }
-
-
-def noise_at(row: int, resistance_ohm: FloatArray, drive_voltage_v: FloatArray) -> float:
-    """Return the noise of a reading [ohm] at a row, by its drive, from the rows before; 0 if they are too few."""
-    return noise_level(resistance_ohm[:row], drive_voltage_v[:row] / drive_voltage_v[row])
 
 
 def seen_at_b(loop: JudgedLoop) -> SeenAtB | None:

@@ -65,13 +65,9 @@ def checked(key: str, item: Parameter, field: FieldInfo) -> None:
     if declared["allowed"] == "fraction" and not 0.0 <= item.value < 1.0:
         raise ValueError(f"{key} is {item.value:g}, it must be 0 or more and below 1")
     if declared["allowed"] == "whole" and (item.value < 1.0 or item.value % 1.0):
-        near = " or ".join(f"{number:g}" for number in whole_numbers_near(item.value))
+        around = sorted({max(floor(item.value), 1), max(ceil(item.value), 1)})
+        near = " or ".join(f"{number:g}" for number in around)
         raise ValueError(f"{key} is {item.value:g}, it must be a whole number of 1 or more, as {near}")
-
-
-def whole_numbers_near(value: float) -> list[int]:
-    """Return the whole numbers of 1 or more around a value."""
-    return sorted({max(floor(value), 1), max(ceil(value), 1)})
 
 
 class Numbers(Protocol):

@@ -64,13 +64,8 @@ class TaggedTable:
             return model.model_validate(given)
         except ValidationError as error:
             raise ValidationError.from_exception_data(
-                error.title, [with_kind_in_location(tag, item) for item in errors_of(error)]
+                error.title, [with_kind_in_location(tag, item) for item in error.errors(include_url=False)]
             ) from None
-
-
-def errors_of(error: ValidationError) -> list[Any]:
-    """Return the single errors of a validation."""
-    return error.errors(include_url=False)
 
 
 def with_kind_in_location(tag: str, problem: Any) -> InitErrorDetails:
@@ -173,7 +168,8 @@ def problem_of(error: ValidationError, model: type[BaseModel]) -> str:
     problem = next((found for found in problems if found["type"] == "extra_forbidden"), problems[0])
     place = ".".join(str(part) for part in problem["loc"])
     if problem["type"] == "extra_forbidden":
-        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known_keys(model, problem['loc']))}"
+        known = place_of(model, problem["loc"]).model.model_fields
+        return f"unknown key '{place}'{nearest_hint(str(problem['loc'][-1]), known)}"
     if problem["type"] in ("union_tag_invalid", "union_tag_not_found"):
         return tag_problem(place, {name: str(text) for name, text in problem["ctx"].items()})
     if problem["type"] == "missing":
@@ -263,11 +259,6 @@ def tag_problem(place: str, context: Mapping[str, str]) -> str:
     return f"{place}: there is no {key} '{context['tag']}'{nearest_hint(context['tag'], known)}"
 
 
-def known_keys(model: type[BaseModel], place: Iterable[Any]) -> list[str]:
-    """Return the keys allowed at the location of a wrong key, following nested models."""
-    return list(place_of(model, place).model.model_fields)
-
-
 def place_of(model: type[BaseModel], place: Iterable[Any]) -> KeyPlace:
     """Return the model that has the last key of a location, following nested models, and the key's field."""
     current: type[BaseModel] = model
@@ -285,17 +276,12 @@ def place_of(model: type[BaseModel], place: Iterable[Any]) -> KeyPlace:
         if kinds is not None:
             annotation = kinds.model_of(str(next(parts, "")))
         if get_origin(annotation) in (Union, UnionType):
-            annotation = only_table(annotation) or model_with_tag(get_args(annotation), str(next(parts, "")))
+            tables = [item for item in get_args(annotation) if item is not type(None)]
+            annotation = tables[0] if len(tables) == 1 else model_with_tag(tables, str(next(parts, "")))
         if not (isinstance(annotation, type) and issubclass(annotation, BaseModel)):
             return KeyPlace(current, None)
         current = annotation
     return KeyPlace(current, current.model_fields.get(str(keys[-1])) if keys else None)
-
-
-def only_table(annotation: Any) -> Any:
-    """Return the model of a key that holds a table or is left out; None for a key with several kinds of tables."""
-    found = [item for item in get_args(annotation) if item is not type(None)]
-    return found[0] if len(found) == 1 else None
 
 
 def model_with_tag(models: Iterable[Any], tag: str) -> Any:

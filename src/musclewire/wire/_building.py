@@ -114,7 +114,7 @@ def constants_of(
         class_barrier_k=barriers_k,
     )
     constants.distribution_cells = spread.cells[np.newaxis]
-    constants.load_table_n = attached.table_n()
+    constants.load_table_n = np.stack((attached.force_n, attached.friction_n))
     return with_pretension(constants, bench["pretension_n"])
 
 

@@ -41,10 +41,6 @@ class ConnectorLoad(NamedTuple):
     force_n: FloatArray  # adds to the spring's, (n_points,); beyond the last point it continues with the last slope
     friction_n: FloatArray  # adds to the guide's, (n_points,); beyond the last point it stays
 
-    def table_n(self) -> FloatArray:
-        """Return force and friction as compiled code takes them [N], (2, n_points)."""
-        return np.stack((self.force_n, self.friction_n))
-
 
 def spring_load(stiffness_n_per_m: float) -> ConnectorLoad:
     """Return a plain spring."""
