@@ -1,23 +1,45 @@
-"""Warnings of a run beyond what the alloy's data cover, the vendor's stress, or the temperature of annealing."""
+"""What a run reached against the limits of its alloy and its vendor: warnings, and whether more drive shows more."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from musclewire.errors import RecordingError
-from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, section_m2
-from musclewire.sensing import noise_level
+from musclewire.parameters import ReachedConditions, ValidityLimits, beyond_validity, exceeds, section_m2
+from musclewire.sensing import HotEnd, noise_level
 from musclewire.signals import Recording, RunFacts
 from musclewire.wire import HeatBalance
 
 # Readings of a load cell are taken for as many standard deviations of its noise less extreme than they are.
 NOISES = 4.0
+# Nearer than this [K] to the temperature up to which the alloy was measured there is no room for more drive.
+ROOM_K = 5.0
+ZERO_CELSIUS_K = 273.15
 
 
 def extrapolation_warnings(recording: Recording) -> tuple[str, ...]:
     """Return a warning for each limit of its alloy that a run exceeds; none for a recording that states no limits."""
     limits = ValidityLimits.stated_in(recording.metadata)
     return beyond_validity(limits, reached_in(recording)) if limits.facts() else ()
+
+
+def hot_end(recording: Recording) -> HotEnd:
+    """Return what a slow loop says of its hottest point besides resistance and strain: is it C, and is more to be had.
+
+    A recording of another program states neither; then the person who drives the wire has to know.
+    """
+    limits, reached = ValidityLimits.stated_in(recording.metadata), reached_in(recording)
+    levelled = recording.metadata.get("shows_c") is True
+    highest_k, reached_k = limits.covered_temperature_high_k, reached.temperature_k
+    if exceeds(reached.largest_stress_pa, limits.working_stress_pa):
+        return HotEnd(levelled, "more drive would pull harder still, and the wire is above its vendor's stress already")
+    if highest_k is None or reached_k is None:
+        return HotEnd(levelled)
+    at = f"by its power the wire reached {reached_k - ZERO_CELSIUS_K:.0f} C"
+    measured = f"the {highest_k - ZERO_CELSIUS_K:.0f} C up to which the alloy was measured"
+    if reached_k > highest_k - ROOM_K:
+        return HotEnd(levelled, f"more drive is no way on, {at} of {measured}")
+    return HotEnd(levelled, f"a higher amplitude shows more: {at}, below {measured}")
 
 
 def reached_in(recording: Recording) -> ReachedConditions:

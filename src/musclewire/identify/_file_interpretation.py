@@ -99,7 +99,9 @@ class FileInterpretation:
         """Return the report as lines of text."""
         lines = [f"{self.path}: {self.layout}, {self.row_count} rows"]
         lines += [f"  '{item.header}' -> {item.column}{_arithmetic(item)} ({_why(item)})" for item in self.taken]
-        lines += [f"  '{item.header}' undecided: {_without_path(item.message, self.path)}" for item in self.undecided]
+        lines += [
+            f"  '{item.header}' undecided: " + item.message.removeprefix(f"{self.path}: ") for item in self.undecided
+        ]
         lines += [f"  '{item.header}' ignored: {item.reason}{self._offer(item)}" for item in self.ignored[:MAX_LISTED]]
         more = len(self.ignored) - MAX_LISTED
         lines += [f"  {more} more ignored"] if more > 0 else []
@@ -185,10 +187,6 @@ def _why(item: MatchedHeader) -> str:
     if item.is_text:
         return f"{item.how}, times as text from the first row on"
     return {"values": "found in its values"}.get(item.how, item.how)
-
-
-def _without_path(message: str, path: str) -> str:
-    return message.removeprefix(f"{path}: ")
 
 
 def _arithmetic(item: MatchedHeader) -> str:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, FitRejectedError, RecordingError, an_object, argument, joined
-from musclewire.identify._hot_end import hot_end
+from musclewire.identify._extrapolation import hot_end
 from musclewire.identify._loop_gaps import guide_friction_n
 from musclewire.identify._open_loop_estimate import open_loop_estimate
 from musclewire.identify._recordings import (

@@ -159,11 +159,6 @@ class SweepAirTemperature(NamedTuple):
             )
         return cls(ambient_k, ambient_k - before_k)
 
-    @property
-    def std_k(self) -> float:
-        """How well the change is known [K]."""
-        return AIR_STD_K if self.change_k is None else MEASURED_STD_K
-
 
 class WireChange(NamedTuple):
     """What a sweep says about the wire as a whole."""
@@ -184,11 +179,11 @@ class WireChange(NamedTuple):
         low_ohm, high_ohm = model.resistance_min_ohm, model.resistance_max_ohm
         span_ohm = high_ohm - low_ohm
         warming_k = found.warmer_k + (air.change_k or 0.0)
-        air_k = AIR_STD_K if air.change_k is None else abs(air.change_k)
+        air_k, air_std_k = (AIR_STD_K, AIR_STD_K) if air.change_k is None else (abs(air.change_k), MEASURED_STD_K)
         std_at_b_ohm = hypot(SAME_AIR_FRACTION, AIR_FRACTION_PER_K * air_k) * high_ohm
         return cls(
             warming_k=warming_k,
-            warming_std_k=hypot(SHAPE_STD_K, LOSS_FRACTION * found.middle_k, air.std_k),
+            warming_std_k=hypot(SHAPE_STD_K, LOSS_FRACTION * found.middle_k, air_std_k),
             at_b_ohm=b_ohm - high_ohm,
             std_at_b_ohm=std_at_b_ohm,
             at_c_ohm=b_ohm - high_ohm - (found.scale - 1.0) * span_ohm,
