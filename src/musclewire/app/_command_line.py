@@ -10,7 +10,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from contextlib import redirect_stderr
-from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import partial
 from io import StringIO
 from typing import TYPE_CHECKING, Any, cast, get_type_hints
@@ -30,11 +30,6 @@ if TYPE_CHECKING:
 # Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
 WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}
 BEYOND = "beyond_catalogue"
-
-
-def add_command(app: typer.Typer, function: Callable[..., Result | None], name: str | None = None) -> None:
-    """Add a function as a command. A parameter that is a dataclass becomes one option for each of its fields."""
-    app.command(name)(flat(function, name or function.__name__))
 
 
 def flat(function: Callable[..., Result | None], called: str) -> Callable[..., None]:
@@ -143,8 +138,11 @@ def parameters_of(groups: tuple[type[Any], ...] | None, alone: inspect.Parameter
         return [alone]
     found = []
     for group in groups:
-        hints, defaults = options_of(group), {field.name: default_of(field) for field in fields(group)}
-        found += [keyword(name, hint, defaults[name]) for name, hint in hints.items()]
+        # A parameter marks by another object than a field that it has no default.
+        known = {field.name: field.default for field in fields(group) if field.default is not MISSING}
+        found += [
+            keyword(name, hint, known.get(name, inspect.Parameter.empty)) for name, hint in options_of(group).items()
+        ]
     return found
 
 
@@ -152,11 +150,6 @@ def options_of(group: type[Any]) -> dict[str, Any]:
     """Return the annotations of a dataclass's fields that are options."""
     hints = get_type_hints(group, include_extras=True)
     return {name: hint for name, hint in hints.items() if hasattr(hint, "__metadata__")}
-
-
-def default_of(field: Field[Any]) -> Any:
-    """Return the default of a field, as a parameter would have it."""
-    return inspect.Parameter.empty if field.default is MISSING else field.default
 
 
 def keyword(name: str, annotation: Any, default: Any) -> inspect.Parameter:
@@ -178,7 +171,7 @@ class ListedCommand(TyperCommand):
     def loaded(self) -> Any:
         """Return the command with its options; its module is imported now."""
         alone = typer.Typer(add_completion=False)
-        add_command(alone, loaded(self._command.function), self._command.name)
+        alone.command(self._command.name)(flat(loaded(self._command.function), self._command.name))
         found = typer.main.get_command(alone)
         found.rich_help_panel = self._command.panel or None  # type: ignore[attr-defined]
         return found

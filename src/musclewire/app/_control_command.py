@@ -106,7 +106,9 @@ def control(
             settled = choice.settled(loaded, opened.sample_period_s)
             print_speed_limits(opened, loaded, follows, settled, load)
         return run_many_loops(rig, seed, many, loaded, choice, follows, settled.approach_s + follows.duration_s)
-    check_files(figure, output, overwrite)
+    figure.check()
+    if output is not None:
+        require_recording_file(output, overwrite)
     follow = loop_of(choice, loop)
     homed: Homing | None = None
     with stops_between_samples(), timing.open_rig(rig, seed) as opened:
@@ -154,13 +156,6 @@ def control_answer(
         speed_limits=limits,
         home=None if homed is None else home_found(homed),
     )
-
-
-def check_files(figure: FigureOptions, output: Path | None, overwrite: bool) -> None:
-    """Raise CallerError, before anything is heated, for a figure or a recording that cannot be written."""
-    figure.check()
-    if output is not None:
-        require_recording_file(output, overwrite)
 
 
 def print_speed_limits(

@@ -253,7 +253,10 @@ class ProgressBar:
         """Move the bar to a sample's time; a signal that waited for the sample stops the run here."""
         stop_if_asked()
         if self._last_s is None:
-            self._open()
+            if self._progress is None:
+                say(self._task)
+            else:
+                self._progress.start()
         elif row["time_s"] < self._last_s:  # a new recording, whose clock begins again
             self._before_s += self._last_s
         self._last_s = row["time_s"]
@@ -261,12 +264,6 @@ class ProgressBar:
             self._numbers.keep_row(row)
         if self._progress is not None:
             self._progress.update(self._progress.task_ids[0], completed=self._before_s + self._last_s)
-
-    def _open(self) -> None:
-        if self._progress is None:
-            say(self._task)
-        else:
-            self._progress.start()
 
     def stop(self) -> None:
         """Leave the bar as it stands."""

@@ -9,7 +9,7 @@ import typer
 from musclewire.app._output import Result, table
 
 if TYPE_CHECKING:
-    from musclewire.controllers import ProtectionLimits, ProtectionTable
+    from musclewire.controllers import ProtectionTable
 
 # Ends of the limits' names and the unit they stand for.
 UNITS = {"_v": "V", "_a": "A", "_w": "W", "_ohm": "ohm", "_k": "K", "_j_per_k": "J/K", "_w_per_k": "W/K"}
@@ -25,17 +25,15 @@ def protection(
     from musclewire.controllers import protection_table
 
     rows = protection_table()
-    limits = None if rig is None else limits_of_rig(rig)
-    text = "" if limits is None else f"\n\nLimits of {rig}:\n{limits_text(limits)}"
-    return Result(ProtectionAnswer(**rows.model_dump(), limits=limits), table_text(rows) + text)
+    limits, text = None, table_text(rows)
+    if rig is not None:
+        from musclewire.rigs import open_rig
 
-
-def limits_of_rig(rig: str) -> ProtectionLimits:
-    """Return the limits of a rig, which is opened and closed again with its output off."""
-    from musclewire.rigs import open_rig
-
-    with open_rig(rig) as opened:
-        return opened.protection_limits
+        with open_rig(rig) as opened:
+            limits = opened.protection_limits
+        shown = ((name, shown_limit(name, value)) for name, value in limits._asdict().items())
+        text += f"\n\nLimits of {rig}:\n" + table(["", ""], shown, left=(0, 1))
+    return Result(ProtectionAnswer(**rows.model_dump(), limits=limits), text)
 
 
 def table_text(rows: ProtectionTable) -> str:
@@ -65,11 +63,6 @@ def table_text(rows: ProtectionTable) -> str:
             table(["", "event", "then", "lasting", "when"], events, left=(1, 2, 4)),
         ]
     )
-
-
-def limits_text(limits: ProtectionLimits) -> str:
-    """Return the limits of a rig for people."""
-    return table(["", ""], ((name, shown_limit(name, value)) for name, value in limits._asdict().items()), left=(0, 1))
 
 
 def shown_limit(name: str, value: float) -> str:

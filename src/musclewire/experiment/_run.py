@@ -247,7 +247,8 @@ def follow(loop: RunParts, policy: Policy, sample: RawSample, samples: int, star
         recorder.append([elapsed_s, *fields_of(sample), *decision.values])
         if on_sample is not None:
             called_ns = perf_counter_ns()
-            on_sample(row_of(sample, elapsed_s, policy.columns, decision.values))
+            found = dict(zip(policy.columns, decision.values, strict=True))
+            on_sample({**sample._asdict(), "time_s": elapsed_s, **found})
             timing.record_callback(perf_counter_ns() - called_ns)
         if until is not None and until():
             return False
@@ -261,13 +262,6 @@ def sampling_metadata(taken: TakenRun | str, timing: LoopTiming) -> dict[str, Me
     if isinstance(taken, TakenRun):
         return {"pace": NO_CLOCK, "deadline_misses": 0, "compiled_loop": True}
     return {**timing.metadata(), **({"not_compiled": taken} if taken else {})}
-
-
-def row_of(
-    sample: RawSample, elapsed_s: float, columns: Sequence[str], values: tuple[float, ...]
-) -> Mapping[str, float]:
-    """Return a recorded row by the names of its columns, as a callback sees it."""
-    return {**sample._asdict(), "time_s": elapsed_s, **dict(zip(columns, values, strict=True))}
 
 
 def timed_exchange(rig: Rig, timing: LoopTiming, air: AirWatch) -> Exchange:

@@ -165,7 +165,8 @@ class GuardedRig:
         self._remembered = RememberedTemperature(identity, self._limits, stated_k=stated_k)
         at_opening = self._remembered.at_opening
         if at_opening.reason:
-            LOGGER.warning("%s%s", at_opening.reason, without_identity(device, known_by))
+            again = f"; for want of an identity of its own it is known again by {identity}"
+            LOGGER.warning("%s%s", at_opening.reason, again if self._facts.identity is None else "")
         self._protection = Protection(self._limits, at_opening.temperature_k)
         # So many samples at the sense voltage come before the first that heats.
         self._rest = math.ceil(at_opening.rest_s / self._facts.sample_period_s)
@@ -684,13 +685,6 @@ def remembered_by(device: Device, known_by: str | None) -> str | None:
     if facts.identity is not None or facts.wire_temperature_k is not None:
         return facts.identity
     return known_by or f"class {type(device).__module__}.{type(device).__qualname__}"
-
-
-def without_identity(device: Device, known_by: str | None) -> str:
-    """Return what is to be said of a device that has no identity, "" for one that has."""
-    if device.facts.identity is not None:
-        return ""
-    return f"; for want of an identity of its own it is known again by {remembered_by(device, known_by)}"
 
 
 def checked_voltage_v(voltage_v: object) -> float:

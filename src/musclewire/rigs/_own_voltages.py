@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from musclewire.errors import CallerError
-from musclewire.parameters import Alloy, Parameter, Wire, bench_known_with, load_alloy, load_bench, load_wire
+from musclewire.parameters import Alloy, Wire, bench_known_with, load_alloy, load_bench, load_wire
 from musclewire.physics import REFERENCE_TEMPERATURE_K
 from musclewire.wire import HeatBalance
 
@@ -204,15 +204,13 @@ def with_own_voltages(
     for name, value in (("drive_amplitude_v", amplitude_v), ("maximum_voltage_v", maximum_v)):
         if name not in given:
             changed[name] = min(value, readable_v)
-    return wire.model_copy(update={
-        name: derived_parameter(getattr(wire, name), value) for name, value in changed.items() if value != wire[name]
-    })  # fmt: skip
-
-
-def derived_parameter(item: Parameter, value: float) -> Parameter:
-    """Return a number of the wire's file for another length, diameter or circuit."""
     source = "that of the wire's file, for its length, diameter and circuit, and no warmer than 140 C"
-    return item.model_copy(update={"value": value, "kind": "derived", "source": source, "note": ""})
+    derived = {"kind": "derived", "source": source, "note": ""}
+    return wire.model_copy(update={
+        name: getattr(wire, name).model_copy(update={"value": value, **derived})
+        for name, value in changed.items()
+        if value != wire[name]
+    })  # fmt: skip
 
 
 def voltages_of_circuit(

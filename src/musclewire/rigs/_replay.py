@@ -89,7 +89,9 @@ class ReplayDevice:
         """Read the recording and its rig's limits. Raises RecordingError if either cannot be read."""
         self._configuration = configuration
         self._path = Path(configuration.recording)
-        recording = recording_with_errors(self._path)
+        read = read_hdf5 if self._path.suffix.lower() in (".h5", ".hdf5") else read_recording
+        # With its errors: gaps and clocks that run backwards are for the protection to detect.
+        recording = read(self._path).with_minor_loop
         self._known = recorded_facts(recording, configuration)
         self._samples = samples_of(recording, self._path, float(self._of_rig("shunt_resistance_ohm", "shunt")))
         period_s = float(self._of_rig("sample_period_s", "nothing: a recording of two samples or more"))
@@ -222,15 +224,6 @@ class ReplayDevice:
         self._off = True
         self._drive_voltage_v = 0.0
         return True
-
-
-def recording_with_errors(path: Path) -> Recording:
-    """Return a recording's rows with their errors: gaps and clocks that run backwards are for the protection to detect.
-
-    Raises RecordingError for a file that is not a recording.
-    """
-    recording = read_hdf5(path) if path.suffix.lower() in (".h5", ".hdf5") else read_recording(path)
-    return recording.with_minor_loop
 
 
 def recorded_facts(recording: Recording, given: ReplayConfiguration) -> Metadata:

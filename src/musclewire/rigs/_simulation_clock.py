@@ -10,16 +10,6 @@ MINIMUM_SPEED = 0.01  # times real time: a slower wire is watched better in its 
 MAXIMUM_SPEED = 1000.0  # times real time: no machine computes a faster one
 
 
-def checked_speed(factor: float) -> float:
-    """Return a clock speed. Raises CallerError for one that no clock can have."""
-    if not MINIMUM_SPEED <= factor <= MAXIMUM_SPEED:
-        raise CallerError(
-            f"clock speed {factor:g} is outside {MINIMUM_SPEED:g} to {MAXIMUM_SPEED:g}: 1 is real time, 10 ten times "
-            "as fast"
-        )
-    return float(factor)
-
-
 class SimulationClock:
     """What paces a simulated rig's samples, at a speed that may change while they are taken.
 
@@ -46,7 +36,12 @@ class SimulationClock:
 
     def set_speed(self, factor: float) -> None:
         """Run so many times as fast as real time from now on. Raises CallerError for an impossible factor."""
-        speed = checked_speed(factor)
+        if not MINIMUM_SPEED <= factor <= MAXIMUM_SPEED:
+            raise CallerError(
+                f"clock speed {factor:g} is outside {MINIMUM_SPEED:g} to {MAXIMUM_SPEED:g}: 1 is real time, 10 ten "
+                "times as fast"
+            )
+        speed = float(factor)
         if speed != self._speed:
             self._speed, self._changes = speed, self._changes + 1
             self._pacer.change_period(self._sample_period_s / speed)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from musclewire.experiment import DemoResult, StepMetrics
-    from musclewire.parameters import Parameter
 
 MINIMUM, MAXIMUM = Markup("R<sub>min</sub>"), Markup("R<sub>max</sub>")
 
@@ -24,7 +23,7 @@ MINIMUM, MAXIMUM = Markup("R<sub>min</sub>"), Markup("R<sub>max</sub>")
 def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
     """Write the report of a demo, whole or not at all; ``wall_s`` is the time that the demo took."""
     figures = report_figures(result)
-    metadata = result.run.metadata
+    metadata, step_s = result.run.metadata, result.run.facts.time_step_s
     parts = {
         "cards": key_numbers(result, wall_s),
         "steps": step_rows(result),
@@ -41,16 +40,11 @@ def write_report(result: DemoResult, path: Path, wall_s: float) -> None:
         "advice": result.sweep.advice,
         "wire": metadata["wire"],
         "seed": metadata["seed"],
-        "time_step": steps_text(result.run.facts.time_step_s),
+        "time_step": f"steps of {1e3 * step_s:g} ms" if step_s else "steps chosen by tolerance",
         "started": metadata["start_time"],
         "files": [file.name for file in result.files.values()],
     }
     write_text_whole(path, page("musclewire.app._report/report.html", **figures, **parts))
-
-
-def steps_text(time_step_s: float) -> str:
-    """Return how the simulation's steps were chosen: 0 stands for chosen ones."""
-    return f"steps of {1e3 * time_step_s:g} ms" if time_step_s else "steps chosen by tolerance"
 
 
 def key_numbers(result: DemoResult, wall_s: float) -> list[NumberCard]:
@@ -126,13 +120,13 @@ def parameter_rows(result: DemoResult, kind: str) -> list[tuple[str, ...]]:
     wire = load_wire(result.run.facts.text("wire", "name of the wire"))
     groups = {"alloy": load_alloy(wire.alloy), "wire": wire, "bench": load_bench("paper")}
     return [
-        (group, name, parameter_value(item), item.source + (f". {item.note}" if item.note else ""))
+        (
+            group,
+            name,
+            f"{item.value:.4g}" + ("" if item.unit == "1" else f" {item.unit}"),
+            item.source + (f". {item.note}" if item.note else ""),
+        )
         for group, parameters in groups.items()
         for name, item in parameters.items()
         if item.kind == kind
     ]
-
-
-def parameter_value(item: Parameter) -> str:
-    """Return value and unit for a table."""
-    return f"{item.value:.4g}" + ("" if item.unit == "1" else f" {item.unit}")

@@ -26,7 +26,8 @@ NAMED_WITHIN = 0.12
 
 def output_at_zero(seen: Examined) -> Outcome | None:
     """Check that the output is off at 0 V: a stuck one heats, and is the only finding of too few readings."""
-    volts, sense_v = seen.at_zero_v, seen.rig.sense_voltage_v
+    low, sense_v = seen.low[0], seen.rig.sense_voltage_v
+    volts = float((low.wire_voltage_v + low.shunt_voltage_v).mean())
     if seen.has_fits:
         return Outcome(abs(volts) <= OUTPUT_OFFSET_FRACTION * sense_v, volts)
     return Outcome(False, volts, said="stuck") if abs(volts) > sense_v else None

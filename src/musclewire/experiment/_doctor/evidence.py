@@ -91,11 +91,6 @@ class VoltageLevel(NamedTuple):
     shunt_voltage_v: FloatArray
 
 
-def samples_of(rig: Rig, seconds: float) -> int:
-    """Return how many samples a level of this many seconds has: never fewer than statistics need."""
-    return max(round(seconds / rig.sample_period_s), MIN_SAMPLES)
-
-
 class VoltageProbe:
     """Holds voltages on a rig and keeps the samples, also those of a level during which the rig had a fault."""
 
@@ -120,7 +115,8 @@ class VoltageProbe:
         rows: list[tuple[float, ...]] = []
         settling = max(round(SETTLING_S / self._rig.sample_period_s), SETTLING_SAMPLES)
         try:
-            self._fill(rows, voltage_v, settling + samples_of(self._rig, seconds))
+            # Never fewer than statistics need.
+            self._fill(rows, voltage_v, settling + max(round(seconds / self._rig.sample_period_s), MIN_SAMPLES))
         except RigError as error:
             self.trouble = error
         # Of a level cut short at the very beginning the unsettled samples are better than none.
@@ -217,11 +213,6 @@ class Examined:
     def has_fits(self) -> bool:
         """Whether there are enough numbers for lines through them."""
         return self.has_zero and len(self.low) > 1 and min(len(level.time_s) for level in self.low) > 2
-
-    @property
-    def at_zero_v(self) -> float:
-        """What wire and shunt carry together at 0 V."""
-        return float((self.low[0].wire_voltage_v + self.low[0].shunt_voltage_v).mean())
 
     @cached_property
     def channels(self) -> dict[str, Channel]:
