@@ -21,19 +21,24 @@ from musclewire.wire import HeatBalance
 # last take much heat for little resistance: with 0.08 free closings of the wire 'finger-100um' raise alarms there,
 # in 15 of 20 draughty runs, and with 0.2 in none.
 NORMALISED_RANGE = (0.2, 0.95)
-HOLDING_ORDER, ENERGY_ORDER = 3, 2
+# Orders of polynomials over the normalised resistance:
+HOLDING_ORDER = 3  # of the power that holds a wire
+ENERGY_ORDER = 2  # of the energy that a change takes
 # Power and motion are compared over blocks of this many samples: single differences of resistance are mostly noise.
 BLOCK_SAMPLES = 5
 MIN_BLOCKS = 30
-CURVE_ORDER, LEVERAGE_ORDER, COST_ORDER = 7, 5, 1
+CURVE_ORDER = 7  # of a finger's endpoint
+LEVERAGE_ORDER = 5  # of its leverage
+COST_ORDER = 1  # of the power per newton
 # Forces below this are too near the load cell's noise to learn compliances from.
 MIN_FORCE_N = 0.05
 MIN_FORCE_SAMPLES = 12
 # The power per newton, as the detector computes it, is fitted up to this force: half more than the usual grip. It
 # changes in the course of a closing, and the grip is decided within the first samples after contact.
 MAX_COST_FORCE_N = 0.45
-# The thermal time constant is that at this wall temperature, near the transformation under load, in air of this one.
-WALL_K, AIR_K = 363.15, 295.15
+# The thermal time constant is that at a wall temperature near the transformation under load, in air of a room.
+WALL_K = 363.15
+AIR_K = 295.15
 NOISE_SEARCH = (1e-4, 3e-2)
 SEARCH_STEPS = 30
 

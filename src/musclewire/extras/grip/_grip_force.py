@@ -24,13 +24,13 @@ from musclewire.errors import CallerError
 from musclewire.extras.grip._contact_detection import ContactState
 from musclewire.sensing import evaluate
 
-# An object counts as rigid from the first stiffness, and is never softer than the second.
-MAX_STIFFNESS_N_PER_M, MIN_STIFFNESS_N_PER_M = 1e6, 1.0
+MAX_STIFFNESS_N_PER_M = 1e6  # [N/m] from which on an object counts as rigid
+MIN_STIFFNESS_N_PER_M = 1.0  # [N/m]: no object is softer
 # Stiffnesses of unknown objects: from that of a sponge to one that the fingers can hardly distinguish from a stone's.
 UNKNOWN_STIFFNESSES_N_PER_M = np.geomspace(20.0, 2000.0, 33)
-# In thermal time constants of the wire, from when its drive is reduced: the fingers are at rest after the first, and
-# their wires have cooled after the second.
-AT_REST_AFTER, COOLED_AFTER = 1.0 / 3.0, 2.0
+# In thermal time constants of the wire, from when its drive is reduced:
+AT_REST_AFTER = 1.0 / 3.0  # the fingers are at rest
+COOLED_AFTER = 2.0  # their wires have cooled
 # Number of samples over which noise is averaged.
 AVERAGED_SAMPLES = 3
 

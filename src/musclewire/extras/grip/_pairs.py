@@ -52,8 +52,10 @@ from musclewire.wire import (
     shorter_step_s,
 )
 
-# Supply of the second wire: its own one, in parallel with the first wire, or in series with it.
-OWN_SUPPLY, PARALLEL, SERIES = 0, 1, 2
+# Supply of the second wire, as compiled code compares it:
+OWN_SUPPLY = 0
+PARALLEL = 1  # with the first wire
+SERIES = 2  # with the first wire
 
 
 class PairConnection(NamedTuple):

@@ -20,8 +20,8 @@ from musclewire.extras.live._silence import LEASE_S
 
 # A command is answered with its first sample: after compiling, and after the slowest of samples.
 MAX_ANSWER_S = 60.0
-# A process that has not confirmed a stop by then is ended by SIGTERM, and killed after MAX_TERM_S more.
-MAX_STOP_S, MAX_TERM_S = 1.0, 0.5
+MAX_STOP_S = 1.0  # [s] in which a process must confirm a stop, or it is ended by SIGTERM
+MAX_TERM_S = 0.5  # [s] after which it is killed then
 # How long one that has confirmed may take to end: its recording is written meanwhile.
 MAX_END_S = 3.0
 # A state may hold the branches of a model and a long list of recordings.

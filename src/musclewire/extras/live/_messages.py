@@ -9,8 +9,9 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from musclewire.errors import CallerError
 
-# A drawn path has this many points at most, and a text this many characters: nothing a page sends may grow without end.
-MAX_POINTS, MAX_TEXT = 10_000, 100
+# Nothing a page sends may grow without end:
+MAX_POINTS = 10_000  # of a drawn path
+MAX_TEXT = 100  # characters of a text
 Positive: TypeAlias = Annotated[float, Field(gt=0.0)]
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=MAX_TEXT)]
 Points: TypeAlias = Annotated[list[float], Field(min_length=1, max_length=MAX_POINTS)]

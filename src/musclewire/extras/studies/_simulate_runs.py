@@ -28,8 +28,9 @@ from musclewire.identify import required_quantity
 from musclewire.judge import resistance_reading
 from musclewire.signals import Recording, measured_in
 
-# A wire counts as contracted at this fraction of its largest contraction, and as relaxed at the rest of it.
-CONTRACTED, RELAXED = 0.9, 0.1
+# Of its largest contraction:
+CONTRACTED = 0.9  # from here on a wire counts as contracted
+RELAXED = 0.1  # up to here it counts as relaxed
 NUMBERS = {
     "stroke": Quantity("1", "largest strain of the run"),
     "displacement_max_m": Quantity("m", "largest displacement of the run"),

@@ -24,7 +24,9 @@ from musclewire.figures import panel_grid
 from musclewire.pages import AVERAGE, COOLING, HEATING, STYLE, TARGET, NumberCard, page, svg_in_frame
 from musclewire.signals import write_text_whole
 
-WIDTH, ROW_HEIGHT, COLUMNS = 9.6, 2.5, 4
+WIDTH = 9.6  # [in] of a figure
+ROW_HEIGHT = 2.5  # [in] of a row of panels
+COLUMNS = 4  # panels in a row
 KELVIN_AT_0_DEGC = 273.15
 # Numbers whose names end so are shown in percent.
 PERCENT = ("gap", "stroke", "strain", "fraction", "rmse")

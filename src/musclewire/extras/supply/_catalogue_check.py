@@ -35,12 +35,14 @@ from musclewire.wire import WireConstants, WireState, constants_from, drive_path
 PULL_STRESS_PA = 172e6
 HEATING_S = 1.0
 UNCOUNTED_STRAIN = 0.005
-# At this temperature no wire under this load has martensite left; the stroke is the largest contraction up to it.
-HOTTEST_K, STROKE_POINTS = 493.15, 100
+HOTTEST_K = 493.15  # [K] at which no wire under this load has martensite left
+STROKE_POINTS = 100  # temperatures up to it, of whose contractions the largest is the stroke
 # Thin wires cool fast: a step is this fraction of the thermal time constant without transformation.
 STEP_FRACTION = 0.02
-MIN_STEP_S, MAX_STEP_S = 5e-4, 5e-3
-COOLING_CHUNKS, MAX_COOLING_S = 200, 120.0
+MIN_STEP_S = 5e-4  # [s], bounds of that step
+MAX_STEP_S = 5e-3
+COOLING_CHUNKS = 200  # steps of the cooling that are simulated before its end is looked for
+MAX_COOLING_S = 120.0  # [s] of cooling at most
 
 
 class CatalogueRun(NamedTuple):

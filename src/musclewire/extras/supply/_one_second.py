@@ -18,7 +18,8 @@ from musclewire.wire import DrivenPath, HeatBalance, WireConstants, WireState, c
 CONTRACTED_FRACTION = 0.9
 MAX_CURRENT_A_PER_M2 = 1e9
 BISECTIONS = 30
-STEP_S, COARSE_STEP_S = 2e-3, 5e-3
+STEP_S = 2e-3  # [s] of a simulation
+COARSE_STEP_S = 5e-3  # [s] of one that shows only when the wire has relaxed
 # A wire counts as relaxed below this contraction.
 RELAXED_STRAIN = 0.0025
 # At this temperature no wire has martensite left; heating further only expands the metal.

@@ -65,15 +65,16 @@ MELTING_K = 1573.15
 AMBIENT_K = 295.15
 # The shunt of the paper's bench, for a request without one.
 PAPER_SHUNT_OHM = 1.0
-# After switching off this much current remains for measuring: a fraction of the drive's, whose heat is 1/10000 of the
-# drive's, but not less than resistance needs to be measured.
-SENSE_FRACTION, MIN_SENSE_A = 0.01, 1.5e-3
+# After switching off the larger of these currents remains for measuring:
+SENSE_FRACTION = 0.01  # of the drive's current, whose heat is 1/10000 of the drive's
+MIN_SENSE_A = 1.5e-3  # [A] that resistance needs to be measured
 # Voltage limit of a current source over the voltage of the cold wire.
 SOURCE_HEADROOM = 1.5
 # Input ranges a card or a divider in front of it may have.
 RANGES_V = (10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 10000.0)
-# A run lasts for this multiple of the time the wire takes to relax, within limits.
-RELAXING_MULTIPLE, MIN_COOLING_S, MAX_COOLING_S = 1.25, 1.0, 120.0
+RELAXING_MULTIPLE = 1.25  # of the time the wire takes to relax: the cooling of a run
+MIN_COOLING_S = 1.0  # [s], bounds of that
+MAX_COOLING_S = 120.0
 
 
 @dataclass(frozen=True)

@@ -193,8 +193,9 @@ def _single(value: float) -> float:
 
 
 SEED = 2010
-# Ticks without faults first, then faults at the control rate, then a converter that is faster than the controller.
-CALM, FAULTY, FAST = 150, 250, 300
+CALM = 150  # ticks without faults
+FAULTY = 250  # ticks with faults at the control rate
+FAST = 300  # ticks of a converter that is faster than the controller
 INPUTS = ("start", "wire_voltage_v", "shunt_voltage_v", "target", "tick_s", "control_s")
 
 

@@ -12,8 +12,8 @@ import numpy as np
 from musclewire.errors import CallerError, argument
 
 MIN_NORMAL = float(np.finfo(np.float32).tiny)
-# The bits of a double that single precision drops, when the double lies half-way between two of its numbers.
-DROPPED_BITS, HALF_WAY = (1 << 29) - 1, 1 << 28
+DROPPED_BITS = (1 << 29) - 1  # the bits of a double that single precision drops
+HALF_WAY = 1 << 28  # these bits of a double half-way between two numbers of single precision
 
 
 def literal(value: float) -> str:

@@ -91,8 +91,9 @@ def daq_fault(error: Any, device: str) -> DaqFaultError:
 
 # Longer than any sample, shorter than a user's patience.
 TIMEOUT_S = 2.0
-# A machine that has lost its connection does not answer, and gRPC by itself waits for it without end.
-CALL_S, CALL_AGAIN_S = 2.5, 0.3
+# [s] until a call fails: a machine that has lost its connection does not answer, and gRPC waits for it without end.
+CALL_S = 2.5
+CALL_AGAIN_S = 0.3  # [s] after a call that has failed so
 
 
 def nidaqmx_package() -> ModuleType:

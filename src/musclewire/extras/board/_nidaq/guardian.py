@@ -33,9 +33,9 @@ REPLY = struct.Struct("<cdiH")
 DONE, TRIPPED, FAILED = b"A", b"T", b"E"
 # How often the guardian checks that its parent still lives, because other processes may have inherited the socket.
 LOOK_S = 0.05
-# How long it keeps trying to switch off a card that does not answer: a host that lives warns its user, after a dead one
-# no other process tries.
-PERSIST_S, PERSIST_ALONE_S = 1.0, 60.0
+# [s] for which it keeps trying to switch off a card that does not answer:
+PERSIST_S = 1.0  # of a host that lives, which warns its user
+PERSIST_ALONE_S = 60.0  # after a dead one, when no other process tries
 
 
 class GuardianOrders(NamedTuple):

@@ -18,8 +18,9 @@ from musclewire.extras.board._serial.message_types import (
 )
 from musclewire.extras.board._serial.messages import BoardIdentity, Message, payload_of, read_message
 
-# The protocol's checksum storm: this many broken frames within this time.
-STORM_FRAMES, STORM_S = 16, 0.2
+# The protocol's checksum storm:
+STORM_FRAMES = 16  # broken frames
+STORM_S = 0.2  # [s] in which they arrive
 # A board that has just been plugged in runs its boot loader first.
 BOOT_S = 3.0
 HELLO_EVERY_S = 0.2

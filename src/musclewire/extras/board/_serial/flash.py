@@ -85,8 +85,8 @@ def require_sound(image: FirmwareImage) -> None:
         )
 
 
-# An Uno's boot loader, and that of Nanos made before 2018.
-BAUD, OLD_BAUD = 115200, 57600
+BAUD = 115200  # of an Uno's boot loader
+OLD_BAUD = 57600  # of that of Nanos made before 2018
 FLASH_START = "0x08000000"
 # Writing and reading back 32 kB takes 15 s at 57600 baud.
 LOADER_S = 180.0

@@ -9,8 +9,10 @@ from musclewire.signals import Reason
 
 # A change is named from this probability on, if it is also this large: what is smaller does no harm.
 SURE = 0.9
-MIN_CONVECTION_RATIO, MIN_AMBIENT_K = 1.25, 4.0
-MIN_LOAD_FRACTION, MIN_STIFFNESS_RATIO = 0.15, 1.35
+MIN_CONVECTION_RATIO = 1.25  # of the heat loss, up or down
+MIN_AMBIENT_K = 4.0  # [K] of the air
+MIN_LOAD_FRACTION = 0.15  # of the load
+MIN_STIFFNESS_RATIO = 1.35  # of the spring's stiffness, up or down
 # How long [s] the evidence must last.
 LASTING_S = 0.5
 OTHER_WIRE_S = 1.0

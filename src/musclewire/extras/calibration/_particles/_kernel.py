@@ -24,22 +24,23 @@ N_UNKNOWNS = 6
 MIN_LOAD = -0.9
 # A value further from its mean than so many deviations is put back there.
 FURTHEST = 2.0
-# A second difference of readings with independent noise has sqrt(6) times its deviation; the mean absolute value of a
-# normal number is 0.798 of it.
-SECOND_DIFFERENCE, MEAN_TO_DEVIATION = math.sqrt(6.0), 1.0 / 0.798
-NOISE_MEMORY, FIRST_SAMPLES, WILD = 0.02, 50.0, 4.0
+SECOND_DIFFERENCE = math.sqrt(6.0)  # deviation of a second difference of readings over that of their independent noise
+MEAN_TO_DEVIATION = 1.0 / 0.798  # deviation of a normal number over the mean of its absolute value
+NOISE_MEMORY = 0.02  # weight of a sample in the mean noise, once there are many
+FIRST_SAMPLES = 50.0  # samples that are taken as they are: until then the mean is not known
+WILD = 4.0  # times the mean noise: a later sample counts as no more
 # Weights are compared by the effective number of hypotheses; below this fraction they are resampled.
 RESAMPLE_BELOW = 0.5
 # How fast unknowns that have not changed wander within their spread, at each resampling.
 RESTLESS = 0.3
 # The misfit of the resistance is smoothed over this time.
 MISFIT_TIME_S = 0.5
-# Of new hypotheses half begin from nothing but one change; the others add a change to theirs, or take one away.
-AFRESH, ADDED = 0.5, 0.75
-WORTHLESS, SMALLEST = -1e9, 1e-300
-# A restarted hypothesis this far below the mean logarithm of the likelihood is dropped; one that is far above it gets
-# no more than this weight, until it has proved itself in the samples that follow.
-HOPELESS, MOST = 3.0, 0.1
+AFRESH = 0.5  # of new hypotheses begin from nothing but one change; the others from those of an old one
+ADDED = 0.75  # of new hypotheses have one change more than before, or only that one; the rest have one less
+WORTHLESS = -1e9  # logarithm of the weight of a hypothesis that gives no number
+SMALLEST = 1e-300  # added to a weight, so that its logarithm has a value
+HOPELESS = 3.0  # a restarted hypothesis this far below the mean logarithm of the likelihood is dropped
+MOST = 0.1  # weight that one far above it gets at most, until it has proved itself in the samples that follow
 # What each change costs a restarted hypothesis in logarithm of likelihood: the simpler of two equal ones is preferred.
 COST = 2.0
 

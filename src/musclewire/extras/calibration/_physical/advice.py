@@ -36,12 +36,20 @@ MAX_ADVICE = 3
 STEP = 0.1
 # Typical instruments: noise of a sample; of resistance as a fraction.
 NOISE = {"strain": 5e-5, "resistance": 3e-4, "force": 5e-3, "temperature": 0.3}
-PERIOD_S, SAMPLE_S, FAST_SAMPLE_S = 90.0, 0.05, 0.005
-STEP_ON_S, STEP_WHOLE_S = 1.0, 5.0
-MINOR_FACTOR, LOW_FACTOR, HIGH_FACTOR = 0.875, 0.5, 2.0
+PERIOD_S = 90.0  # [s] of the slow sine
+SAMPLE_S = 0.05  # [s] from one of its samples to the next
+FAST_SAMPLE_S = 0.005  # [s] the same for a step
+STEP_ON_S = 1.0  # [s] of the highest voltage in a step
+STEP_WHOLE_S = 5.0  # [s] of a step with its cooling
+MINOR_FACTOR = 0.875  # of the drive, with which a loop is a minor one
+LOW_FACTOR = 0.5  # of the pretension
+HIGH_FACTOR = 2.0  # of the pretension
 SENSE_FRACTION = 0.05
-ISOBAR_STRESSES_PA, ISOBAR_POINTS, ABOVE_TRANSFORMATION_K = (50e6, 100e6, 200e6), 150, 60.0
-COOLING_S, COOLING_SAMPLE_S = 20.0, 0.02
+ISOBAR_STRESSES_PA = (50e6, 100e6, 200e6)
+ISOBAR_POINTS = 150  # temperatures of each branch of an isobar
+ABOVE_TRANSFORMATION_K = 60.0  # [K] above the middle of the transformation, where isobar and cooling begin to fall
+COOLING_S = 20.0  # [s] of a cooling curve
+COOLING_SAMPLE_S = 0.02  # [s] from one of its samples to the next
 
 
 @dataclass(frozen=True)

@@ -30,11 +30,13 @@ PRIOR, IDENTIFIED, UNIDENTIFIED, BOUND = "#dfe3e8", "#1f6f8b", "#b9a27a", "#c855
 MEASURED, FITTED = TARGET, HEATING
 # Isobars from the lightest load to the heaviest.
 SHADES = ("#7fb3c8", "#4a93ae", "#1f6f8b", "#15506a", "#0d374c", "#071f2d")
-BAR_WIDTH, BAR_HEIGHT = 190.0, 16.0
-# A bar extends over this many prior standard deviations to either side; an interval of 95 % over this many.
-SHOWN_STD, SURE_STD = 3.0, 1.96
+BAR_WIDTH = 190.0  # in units of the drawing, as the height
+BAR_HEIGHT = 16.0
+SHOWN_STD = 3.0  # prior standard deviations over which a bar extends to either side
+SURE_STD = 1.96  # standard deviations over which an interval of 95 % extends to either side
 ZERO_CELSIUS_K = 273.15
-WIDTH, ROW_HEIGHT = 9.6, 2.75
+WIDTH = 9.6  # [in] of a figure
+ROW_HEIGHT = 2.75  # [in] of each channel in it
 # Resistance less certain than this fraction of its range is not drawn against strain.
 MAX_UNCERTAIN_FRACTION = 0.12
 FIELDS = {**Alloy.model_fields, **Wire.model_fields, **Bench.model_fields}

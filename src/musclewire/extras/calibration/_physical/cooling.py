@@ -25,12 +25,13 @@ from musclewire.signals import Recording
 from musclewire.wire import heated_state
 
 # A curve that falls by less does not determine a rate.
-MIN_FALL_K, MIN_OVER_NOISE = 5.0, 20.0
+MIN_FALL_K = 5.0
+MIN_OVER_NOISE = 20.0  # range of another channel over its noise: with less it does not move
 # A curve may end this far below the stated temperature of the air: the accuracy of two thermometers.
 BELOW_AMBIENT_K = 3.0
-# The start is that of a parabola fitted to the first part of the fall, in which a parabola is accurate; it is the first
-# sample if that part has too few samples.
-EARLY_FRACTION, MIN_EARLY = 0.1, 6
+# The start is that of a parabola fitted to the first part of the fall, in which a parabola is accurate.
+EARLY_FRACTION = 0.1  # of the fall
+MIN_EARLY = 6  # samples in it: with fewer the start is the first sample
 UNCOUNTED_ZERO = ("strain", "force")
 
 

@@ -34,12 +34,15 @@ STRETCHES = 20
 MIN_SHUNT_OHM = 1e-3
 # An amplifier's command counts as its output if both agree to this fraction.
 COMMANDED_FRACTION = 0.02
-# The least changes by a transformation: of strain; of resistance, as a fraction; of any channel, over its noise.
-MIN_STROKE, MIN_RESISTANCE_CHANGE, MIN_OVER_NOISE = 1e-3, 0.01, 20.0
+# The least changes by a transformation.
+MIN_STROKE = 1e-3  # of strain
+MIN_RESISTANCE_CHANGE = 0.01  # of resistance, as a fraction
+MIN_OVER_NOISE = 20.0  # of any channel, over its noise
 # Strain that begins further from 0 than this fraction of its stroke was not counted from the cold wire.
 ZERO_FRACTION = 0.05
-# The resistivity of any NiTi lies between these; another one has a wrong unit, diameter or length.
-MIN_RESISTIVITY, MAX_RESISTIVITY = 0.4e-6, 2.0e-6
+# The resistivity of any NiTi lies between these [ohm m]; another one has a wrong unit, diameter or length.
+MIN_RESISTIVITY = 0.4e-6
+MAX_RESISTIVITY = 2.0e-6
 
 
 class DrivenObservation(ClockedObservation):

@@ -17,16 +17,19 @@ from musclewire.wire import isobaric_path
 
 # Error expected of a model of this kind in the strain of an isobar.
 ISOBAR_ERROR = 2e-4
-# Stress whose means differ by less than this fraction, and this much [Pa], belongs to one isobar.
-SAME_STRESS, SAME_STRESS_PA = 0.03, 1e5
-MIN_POINTS, MIN_STROKE = 20, 1e-3
-# A load cell scatters: stress is judged by means over this many rows, and means that differ by less than this many of
-# their standard deviations may be equal. The largest of some hundred differences exceeds 4 about once in two hundred.
-MEAN_ROWS, SAME_BY_SCATTER = MIN_POINTS // 2, 5.0
+# Stress belongs to one isobar if its means differ by less than both of these together:
+SAME_STRESS = 0.03  # of the stress
+SAME_STRESS_PA = 1e5  # [Pa]
+MIN_POINTS = 20  # rows of an isobar over heating and cooling
+MIN_STROKE = 1e-3  # strain over an isobar: with less no wire has transformed
+MEAN_ROWS = MIN_POINTS // 2  # rows over which stress is averaged, as a load cell scatters
+# Standard deviations by which two means may differ and be equal: the largest of some hundred differences exceeds 4
+# about once in two hundred.
+SAME_BY_SCATTER = 5.0
 # Within an isobar, means over this fraction of its rows show whether stress drifts or follows the wire.
 STRETCH_FRACTION = 0.1
-# A smaller range of temperature shows no loop; a wire breaks far below this stress.
-MIN_RANGE_K, MAX_STRESS_PA = 5.0, 3e9
+MIN_RANGE_K = 5.0  # [K]: a smaller range of temperature shows no loop
+MAX_STRESS_PA = 3e9  # [Pa]: a wire breaks far below
 
 
 class IsobaricObservation:

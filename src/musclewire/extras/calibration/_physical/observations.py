@@ -113,7 +113,8 @@ MAX_STEP_S = 0.025
 REFINED_STEP_S = 0.002
 # A clock whose steps differ by more than this fraction of their median is resampled to an even one.
 EVEN_CLOCK = 0.02
-FIRST_ROWS, MIN_ROWS = 9, 30
+FIRST_ROWS = 9  # rows whose median is the force at the beginning
+MIN_ROWS = 30  # rows of a recording from which a wire can be calibrated
 
 
 class RawChannel(NamedTuple):

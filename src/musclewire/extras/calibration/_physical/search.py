@@ -31,16 +31,19 @@ OnStep = Callable[[], None]
 IMPOSSIBLE = 1e4
 # Steps of a derivative, in prior standard deviations. They were chosen for an ensemble with edges between its grains,
 # which smaller steps showed; two fronts have none. Larger ones show curvature.
-SEARCH_STEP, LAST_STEPS, FINAL_STEP = 0.05, (0.1, 0.03), 0.05
+SEARCH_STEP = 0.05  # of the descents
+LAST_STEPS = (0.1, 0.03)  # of the last descents, from the best end
+FINAL_STEP = 0.05  # of the slopes from which the uncertainty follows
 # Factors on the observations' uncertainty, descent by descent.
 START_SCALES = (100.0, 30.0, 10.0, 3.0, 1.0)
 JUMP_SCALES = (10.0, 3.0, 1.0)
-# No more descents are made after this many that end within this fraction of the best cost.
-AGREEING, AGREEMENT = 3, 1e-3
+AGREEING = 3  # descents with about the best cost after which no more are made
+AGREEMENT = 1e-3  # of the best cost, by which theirs may be above it
 # Ends within this fraction of the best cost are as good as it: the model's own error is larger.
 ALIKE = 0.1
-# Spread of starts and jumps, in prior standard deviations.
-START_SPREAD, JUMP_SPREAD = 0.8, 0.5
+# Spread in prior standard deviations.
+START_SPREAD = 0.8  # of the starts about the prior
+JUMP_SPREAD = 0.5  # of the jumps from the best end
 # A descent begins off the bounds by this fraction of their distance.
 OFF_BOUNDS = 1e-4
 

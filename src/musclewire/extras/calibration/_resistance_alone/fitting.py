@@ -77,8 +77,9 @@ def posterior_wires(
 
 PAPER_ORDER = 6
 DRAWN_WIRES = 80
-# Residuals that are so many times their uncertainty are another wire's, or another load's.
-OTHER_WIRE_MISFIT, DOUBTFUL_MISFIT = 10.0, 3.0
+# Residuals over their uncertainty, from which on they are those of another wire, or of another load:
+OTHER_WIRE_MISFIT = 10.0  # the fit is refused
+DOUBTFUL_MISFIT = 3.0  # the fit has a warning
 # Marks whose difference is known worse than the stroke is without them, by this factor, would lessen its standard
 # deviation by less than a twentieth.
 COARSE = 3.0

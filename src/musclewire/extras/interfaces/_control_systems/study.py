@@ -25,8 +25,8 @@ from musclewire.sensing import SensingModel
 COLOURS = {"heating": HEATING, "cooling": COOLING}
 LINES = {"branch": "-", "minor loop": ":"}
 POINTS = 400
-# Frequencies of the plot: from far below the wire's pole to just below half of the sampling rate.
-MIN_HZ, MAX_OF_NYQUIST = 1e-3, 0.97
+MIN_HZ = 1e-3  # lowest frequency of the plot: far below the wire's pole
+MAX_OF_NYQUIST = 0.97  # highest frequency over half of the sampling rate, just below it
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ from musclewire.extras.interfaces._environments.episodes import MAX_RESISTANCE_F
 from musclewire.random_numbers import normal_pair, philox, uniform
 
 # Streams of random numbers of a lane: the last word of the counter.
-TARGETS, READINGS = 0, 1
+TARGETS = 0
+READINGS = 1
 # From this noise on, in steps of the converter, the error of rounding is independent of the voltage to 0.3 % of a step:
 # the mean of many readings is then one normal number with the variances of noise and rounding.
 MIN_DITHER_STEPS = 0.5

@@ -45,9 +45,10 @@ from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel, default
 from musclewire.signals import ESTIMATOR_ANSWERS, declared_tick
 from musclewire.wire import WireBatch, fixed_steps
 
-# Longest step of the simulation, and that as a fraction of the quickest wire's time constant: with both a jump of the
-# drive errs by hundredths of a kelvin (benchmarks/vector_environment.py).
-MAX_STEP_S, MAX_STEP_FRACTION = 0.025, 0.05
+# Longest step of the simulation: with both bounds a jump of the drive errs by hundredths of a kelvin
+# (benchmarks/vector_environment.py).
+MAX_STEP_S = 0.025
+MAX_STEP_FRACTION = 0.05  # of the quickest wire's time constant
 
 Rig = str | Path | RigConfiguration
 Mask = NDArray[np.bool_]

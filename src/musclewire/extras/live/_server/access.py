@@ -114,8 +114,9 @@ class BenchControl:
         return lost
 
 
-# A token of the program has 256 bits; one of a file must have as many characters as 96 bits take.
-TOKEN_BYTES, MIN_TOKEN_LENGTH, MAX_TOKEN_LENGTH = 32, 16, 512
+TOKEN_BYTES = 32  # of a token of the program: 256 bits
+MIN_TOKEN_LENGTH = 16  # characters of a token in a file: as many as 96 bits take
+MAX_TOKEN_LENGTH = 512  # characters of one: chosen, so that no other file is read as a token
 TOKEN = re.compile(r"[A-Za-z0-9._~+/=-]+")
 HOST = re.compile(r"(?P<name>[A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\])(?::\d{1,5})?")
 # What a browser says of a request that does not come from a page of another origin.

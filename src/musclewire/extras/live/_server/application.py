@@ -32,15 +32,17 @@ from musclewire.extras.live._server.socket_messages import (
 )
 from musclewire.extras.live._server.viewers import Viewer, ViewerTooSlowError
 
-# A slider sends some dozens of targets a second. A long message counts as one more for each so many characters.
-MESSAGES_A_SECOND, CHARACTERS_EACH = 400, 8192
-# What comes too fast is not read, but for a stop, which is short; a client that does not end is disconnected.
-SHORT, MAX_UNREAD = 200, 1000
+MESSAGES_A_SECOND = 400  # from one client: a slider sends some dozens of targets a second
+CHARACTERS_EACH = 8192  # for which a long message counts as one more
+# What comes too fast is not read, but for a stop:
+SHORT = 200  # characters of a message at most that may be a stop, and is read
+MAX_UNREAD = 1000  # messages that are not read before the client is disconnected
 MAX_COMMANDS_WAITING = 8
-# A message that could not be sent for so long: the connection is closed.
-SEND_S, CLOSE_S = 5.0, 1.0
-# Of WebSocket: a policy was violated; try again later.
-POLICY, LATER = 1008, 1013
+SEND_S = 5.0  # [s] after which a message could not be sent, and the connection is closed
+CLOSE_S = 1.0  # [s] that closing may take
+# Codes with which a WebSocket is closed.
+POLICY = 1008  # a policy was violated
+LATER = 1013  # try again later
 
 Ended: TypeAlias = int | None
 

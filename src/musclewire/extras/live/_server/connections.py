@@ -27,9 +27,10 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 LOGGER = logging.getLogger("musclewire.live")
 # From the connection to the last header of its first valid request.
 FIRST_REQUEST_S = 5.0
-# How many there may be, with so many of the files that this process may open for each: who is thrown out comes again,
-# which costs more than an open connection does; in memory all of them take some 40 MB at most.
-MAX_CONNECTIONS, FILES_EACH = 512, 2
+# Connections at most: a client that is disconnected comes again, which costs more than an open connection does; in
+# memory all of them take some 40 MB at most.
+MAX_CONNECTIONS = 512
+FILES_EACH = 2  # files that this process may open, for each connection: half of them stay free
 REPORT_S = 60.0
 # So few at once that a stop has been read before as many have come as would make it the oldest.
 ACCEPTED_AT_ONCE = 16

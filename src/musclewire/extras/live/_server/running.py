@@ -41,7 +41,8 @@ PORTS_TRIED = 20
 RECEIVE_BUFFER_BYTES = 4 * 1024
 # Whoever does not fit into the system's queue tries again after a second at the earliest, a stop among them.
 BACKLOG = 4096
-CLOSE_S, LOOK_S = 2.0, 0.5
+CLOSE_S = 2.0  # [s] that open connections have to end with the server
+LOOK_S = 0.5  # [s] from one look at the connections to the next
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,8 @@ from musclewire.extras.live._silence import PING_S, ListeningClock
 if TYPE_CHECKING:
     from musclewire.extras.live._bench_handle import BenchHandle
 
-FRAME_S, LEASE_CHECK_S = 1.0 / 30.0, 0.05
+FRAME_S = 1.0 / 30.0  # [s] from one frame of rows to the next: no screen shows more
+LEASE_CHECK_S = 0.05  # [s] from one check of the leases to the next, by which a lost one ends late
 MAX_VIEWERS = 32
 ORDERED = "the drive is being switched off; the state says when it is"
 

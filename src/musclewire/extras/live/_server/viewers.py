@@ -9,8 +9,8 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 
-# Frames of rows that may wait: a quarter of a second at 30 Hz. Other messages are few; so many mean a dead connection.
-MAX_FRAMES, MAX_MESSAGES = 8, 200
+MAX_FRAMES = 8  # frames of rows that may wait: a quarter of a second at 30 Hz
+MAX_MESSAGES = 200  # other messages that may wait: they are few, and more mean a dead connection
 
 
 class ViewerTooSlowError(Exception):

@@ -12,8 +12,8 @@ from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError
 from musclewire.rigs import MIN_SPREAD_STEPS, read_sample
 
-# The jitter of a sample's time is limited to this many standard deviations, and each sample to this part of a period.
-STRONGEST, SHORTEST = 3.0, 0.1
+STRONGEST = 3.0  # standard deviations of the jitter of a sample's time, at most
+SHORTEST = 0.1  # of a sample period: no sample is shorter
 STREAM = 7933
 
 

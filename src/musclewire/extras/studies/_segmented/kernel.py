@@ -67,8 +67,8 @@ class SegmentSums(Row):
 
 # The stress is found to within this: the force to some 2e-7 N.
 CLOSE_PA = 10.0
-# After so many trials of plain Newton every second one halves the bracket; after so many the step counts as unsolved.
-PLAIN_TRIALS, MAX_TRIALS = 12, 100
+PLAIN_TRIALS = 12  # of plain Newton, after which every second trial halves the bracket
+MAX_TRIALS = 100  # after which the step counts as unsolved
 NO_HEAT_J = 1e-12
 
 
