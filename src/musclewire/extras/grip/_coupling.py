@@ -32,8 +32,7 @@ CLOSE_M = 1e-13
 CLOSE_N = 1e-10
 # A wire is held at a trial displacement by a spring that is stiffer than austenite by this factor.
 HOLDING_STIFFNESS = 100.0
-# After so many trials of plain Newton every second one halves the bracket.
-PLAIN_TRIALS = 12
+PLAIN_TRIALS = 12  # of plain Newton, after which every second trial halves the bracket
 MAX_TRIALS = 80
 MAX_LINEAR_STEPS = 100
 SMALL_CONTRACTION = 1e-16

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import time
 
-# Who has control and gives no sign for so long [s] has lost it: the wire is at its sense voltage within a second then.
+# [s] without a sign after which a client loses control: the wire is at its sense voltage within a second then.
 LEASE_S = 0.75
-# How often whoever has control is asked for a sign [s]: five questions without an answer end a lease.
+# [s] from one ping of the client in control to the next: five without an answer end its lease.
 PING_S = 0.15
 
 

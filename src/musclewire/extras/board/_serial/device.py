@@ -76,7 +76,7 @@ ATTEMPTS = 5
 TICKS = 1 << 32
 # Shunt and voltages that a rig file gives with three digits agree with the board's to this relative difference.
 AGREEMENT = 5e-3
-# A longer name of a wire is cut off by the board, whose message has room for so many characters.
+# Characters of a wire's name in the board's message: the board cuts off a longer one.
 WIRE_CHARACTERS = 24
 NO_TICK = -1
 # What to do where a command that must be done is not, by the board's answer.

@@ -46,12 +46,12 @@ PARTICLE_COLUMNS = (
 ODD_TIME = 5.0
 # A reading by which the wire would warm up faster than this is a fault of the reading.
 MAX_RATE_K_PER_S = 2000.0
-# A change of load is judged over the pretension; with less than this over this.
+# [N] by which a change of load is divided if the pretension is less.
 MIN_PRETENSION_N = 0.05
 MIN_RESISTANCE_OHM = 1e-3
 # A shift of the transformation temperatures that a home move knows no better than this [K] is left out.
 KNOWN_SHIFT_K = 3.0
-# A smoothed misfit of so many deviations, and the value is not valid: no hypothesis explains the resistance.
+# Standard deviations: with a larger smoothed misfit no hypothesis explains the resistance, and the value is not valid.
 UNEXPLAINED_MISFIT = 3.0
 
 

@@ -22,7 +22,7 @@ CONVECTION, AMBIENT, LOAD, STIFFNESS, RESISTANCE, TRANSFORMATION = range(6)
 N_UNKNOWNS = 6
 # A load never takes away more of the pretension than this: the wire would be slack all the time.
 MIN_LOAD = -0.9
-# A value further from its mean than so many deviations is put back there.
+# Standard deviations: a value further from its mean is put back there.
 FURTHEST = 2.0
 SECOND_DIFFERENCE = math.sqrt(6.0)  # deviation of a second difference of readings over that of their independent noise
 MEAN_TO_DEVIATION = 1.0 / 0.798  # deviation of a normal number over the mean of its absolute value

@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from musclewire.parameters import Alloy, Bench, Prior, PriorSet, Wire, load_priors
 
-# A normal distribution is cut off at so many standard deviations.
+# Standard deviations at which a normal distribution is cut off.
 CUT_OFF = 4.0
 
 

@@ -32,10 +32,10 @@ FIRST_REQUEST_S = 5.0
 MAX_CONNECTIONS = 512
 FILES_EACH = 2  # files that this process may open, for each connection: half of them stay free
 REPORT_S = 60.0
-# So few at once that a stop has been read before as many have come as would make it the oldest.
+# Connections accepted at once: few enough that a stop is read before it would be the oldest of all.
 ACCEPTED_AT_ONCE = 16
 STOP = re.compile(rb"POST /\S*/stop ")
-# When nothing could be accepted, it is tried again after so long.
+# [s] after which accepting is tried again when nothing could be accepted.
 AGAIN_S = 0.05
 LEASE_HEADER = b"musclewire-lease"
 

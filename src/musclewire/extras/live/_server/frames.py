@@ -11,7 +11,7 @@ from musclewire.arrays import FloatArray
 from musclewire.extras.live._server.fired_rules import FiredRules, settings_of
 from musclewire.extras.live._server.socket_messages import FiredRule
 
-# At most so many rows a second of the clock on the wall; at the paper's 20 Hz every row.
+# Rows a second of the clock on the wall, at most; at the paper's 20 Hz every row is sent.
 ROWS_PER_S = 100.0
 COMPUTED = ("current_a", "power_w", "resistance_ohm")
 # Below this current [A] a resistance is noise divided by noise.
