@@ -86,9 +86,7 @@ class FileInterpretation:
             "rows": self.row_count,
             "taken": [asdict(item) for item in self.taken],
             "ignored": [{"header": item.header, "reason": item.reason} for item in self.ignored],
-            "undecided": [
-                {name: value for name, value in asdict(item).items() if name != "lacks_unit"} for item in self.undecided
-            ],
+            "undecided": [asdict(item) for item in self.undecided],
             "metadata": dict(self.metadata),
             "ranges": {name: list(limits) for name, limits in self.ranges.items()},
             "notes": list(self.notes),

@@ -12,6 +12,7 @@ from musclewire.arrays import FloatArray
 from musclewire.signals import (
     COLUMNS,
     HeaderMatch,
+    HeaderWithoutUnit,
     IgnoredHeader,
     ImportMapping,
     ImportPlan,
@@ -74,7 +75,7 @@ def judged_units(table: SourceTable, match: HeaderMatch) -> ImportMapping | None
 
     Voltage and current have to give a resistance that a wire has, and a power that heats one.
     """
-    items: list[UndecidedHeader] = [item for item in match.undecided if item.lacks_unit]
+    items: list[UndecidedHeader] = [item for item in match.undecided if isinstance(item, HeaderWithoutUnit)]
     if len(items) < len(match.undecided) or any(item.column not in _UNITS_OF for item in items):
         return None
     items += _by_words(table, match, {item.column for item in items} | {item.column for item in match.taken})

@@ -33,6 +33,7 @@ from ._exchange import drive_voltage_of as drive_voltage_of
 from ._exchange import wire_sample as wire_sample
 from ._hdf5 import describe_recording as describe_recording
 from ._headers import HeaderMatch as HeaderMatch
+from ._headers import HeaderWithoutUnit as HeaderWithoutUnit
 from ._headers import IgnoredHeader as IgnoredHeader
 from ._headers import MatchedHeader as MatchedHeader
 from ._headers import UndecidedHeader as UndecidedHeader

@@ -70,7 +70,10 @@ class UndecidedHeader:
     index: int
     column: str
     message: str
-    lacks_unit: bool = False
+
+
+class HeaderWithoutUnit(UndecidedHeader):
+    """A header that would be a column if something stated its unit."""
 
 
 @dataclass(frozen=True)
@@ -357,7 +360,8 @@ def _taken_or_undecided(
     try:
         return _taken(header, index, column, unit, "synonym", path)
     except RecordingError as problem:
-        return UndecidedHeader(header, index, column.name, str(problem), isinstance(problem, _NoUnitError))
+        kind = HeaderWithoutUnit if isinstance(problem, _NoUnitError) else UndecidedHeader
+        return kind(header, index, column.name, str(problem))
 
 
 def _own_column(name: str) -> Column | None:

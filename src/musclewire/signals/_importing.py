@@ -28,6 +28,7 @@ from musclewire.signals._columns import (
 from musclewire.signals._headers import (
     EmptyHeader,
     HeaderMatch,
+    HeaderWithoutUnit,
     How,
     MatchedHeader,
     UndecidedHeader,
@@ -293,7 +294,8 @@ def _clock_header(
     """Return the clock as the headers of other columns are matched."""
     if no_clock is not None:
         header = table.columns[no_clock.index].header
-        return UndecidedHeader(header, no_clock.index, "time_s", no_clock.message, no_clock.lacks_unit)
+        kind = HeaderWithoutUnit if no_clock.lacks_unit else UndecidedHeader
+        return kind(header, no_clock.index, "time_s", no_clock.message)
     if clock is None:
         return None
     name, stated = name_and_unit(table.columns[clock.indices[0]])
@@ -751,8 +753,8 @@ def _problem(plan: ImportPlan, headers: Sequence[str]) -> str:
 
 def _undecided(items: Sequence[UndecidedHeader], path: str) -> str:
     """Return what has to be decided first; of several columns without a unit all at once."""
-    bare = [item for item in items if item.lacks_unit]
-    if len(bare) < 2 or not items[0].lacks_unit:
+    bare = [item for item in items if isinstance(item, HeaderWithoutUnit)]
+    if len(bare) < 2 or items[0] is not bare[0]:
         return items[0].message
     headers = ", ".join(f"'{item.header}'" for item in bare)
     mapped = ", ".join(f"{item.column}={item.header}:{COLUMNS[item.column].unit}" for item in bare)
