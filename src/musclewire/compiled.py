@@ -2,9 +2,8 @@
 
 Numba's own cache notices an edit of the file that defines a function, but not of another file whose function it
 calls (numba issue 1833): the old machine code keeps running. Here the cache folder is named by a hash over every
-Python source of the package that may hold compiled code, so that an edit anywhere starts a new folder, which all
-copies of these sources share, wherever they are installed. Parts outside the core have folders of their own, named by
-the core's sources and theirs.
+Python source of the package that may hold compiled code, so that an edit anywhere starts a new folder. Parts outside
+the core have folders of their own, named by the core's sources and theirs.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from typing import Any, TypeVar
 
 import numba
 import numpy as np
-from numba.core import caching, config, event
+from numba.core import config, event
 from numba.core.registry import CPUDispatcher
 from numba.extending import lower_builtin, type_callable
 
@@ -100,17 +99,12 @@ def part_source_hash(part: str) -> str:
     return hash_over(files, kernel_source_hash())
 
 
-def is_of_core(module: str) -> bool:
-    """Return whether a module is one of the core's."""
-    return module.startswith("musclewire.") and not module.startswith("musclewire.extras.")
-
-
 def part_of(module: str) -> str | None:
     """Return the part outside the core whose kernels a module holds, None for any other module.
 
     A kernel of the core asks no manifest: it is compiled while rooms are imported, which a manifest may import, too.
     """
-    if is_of_core(module):
+    if module.startswith("musclewire.") and not module.startswith("musclewire.extras."):
         return None
     return next((manifest.name for manifest in manifests() if module in manifest.kernels), None)
 
@@ -138,38 +132,6 @@ def cache_folder(part: str | None = None) -> str | None:
     except OSError:
         return None
     return str(folder) if os.access(folder, os.W_OK) else None
-
-
-# Older Numba has it by a private name.
-NumbasLocator: Any = vars(caching).get("UserProvidedCacheLocator") or vars(caching)["_UserProvidedCacheLocator"]
-
-
-class SharedLocator(NumbasLocator):  # type: ignore[misc]
-    """Where a kernel of ours is kept: by its module's name and Numba's version, not by its file's path and time.
-
-    The folder's name is the hash over its source and over that of all that it calls.
-    """
-
-    def __init__(self, function: Callable[..., Any], file: str) -> None:
-        """Choose the folder below that of all kernels."""
-        super().__init__(function, file)
-        self._cache_path = str(Path(numba_config.CACHE_DIR) / f"numba-{numba.__version__}" / function.__module__)
-
-    def get_source_stamp(self) -> str:
-        """Return what must be equal for the code to be taken."""
-        return ""
-
-
-class SharedFiles(caching.CompileResultCacheImpl):
-    """How Numba keeps a kernel, there."""
-
-    _locator_classes = [SharedLocator, *caching.CompileResultCacheImpl._locator_classes]  # noqa: RUF012
-
-
-class SharedCache(caching.FunctionCache):
-    """Numba's cache of a kernel, there."""
-
-    _impl_class = SharedFiles
 
 
 class InnerFunction(CPUDispatcher):
@@ -202,8 +164,7 @@ def _compile(function: Function, *, inner: bool = False, **options: Any) -> Func
     """Return the function compiled by Numba, with this version's cache folder."""
     if numba_config.DISABLE_JIT:
         return function
-    part = part_of(function.__module__)
-    folder = cache_folder(part)
+    folder = cache_folder(part_of(function.__module__))
     before = numba_config.CACHE_DIR
     # Numba chooses the folder while it decorates, so the setting is ours for that moment only.
     numba_config.CACHE_DIR = folder or before
@@ -215,9 +176,6 @@ def _compile(function: Function, *, inner: bool = False, **options: Any) -> Func
                 dispatcher.enable_caching()
         else:
             dispatcher = numba.njit(cache=folder is not None, **OPTIONS, **options)(function)
-        if folder is not None and (part is not None or is_of_core(function.__module__)):
-            # A kernel of somebody else may change and the folder's name not.
-            dispatcher._cache = SharedCache(function)  # type: ignore[no-untyped-call]
     finally:
         numba_config.CACHE_DIR = before
     return dispatcher

@@ -1,10 +1,6 @@
 from __future__ import annotations
 
-import os
 import re
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterator
 from importlib.machinery import ModuleSpec
 from pathlib import Path
@@ -28,14 +24,6 @@ from musclewire.compiled import (
 from musclewire.manifest import Manifest, manifests
 
 PACKAGE = Path(module.__file__).parent
-COMPILES = """
-import numpy as np
-from musclewire import compiled
-from musclewire.random_numbers import normal_pair
-found = normal_pair(np.uint64(1), np.uint64(2))
-how = "loaded" if normal_pair.stats.cache_hits else "compiled"
-print(compiled.__file__, how, *map(float.hex, found), sep="\\n")
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -186,34 +174,6 @@ def test_with_a_folder_the_machine_code_is_kept_there(monkeypatch: pytest.Monkey
     assert compiled(doubled_plus_one)(3.0) == 7.0
     assert list((tmp_path / kernel_source_hash()).rglob("*.nbi")), "no index of cached code was written"
     assert before == config.CACHE_DIR, "the setting of Numba is not ours to keep"
-
-
-@pytest.mark.skipif(config.DISABLE_JIT, reason="without compilation there is no machine code")
-def test_machine_code_of_one_copy_of_the_sources_is_that_of_any_other(tmp_path: Path) -> None:
-    """Wherever it is installed and whenever its files were written; what a copy says of itself is its own."""
-    said = []
-    for name in ("first", "second"):
-        copy = tmp_path / name / "musclewire"
-        shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"), copy_function=shutil.copyfile)
-        environment = {**os.environ, "PYTHONPATH": str(copy.parent), "NUMBA_CACHE_DIR": str(tmp_path / "kept")}
-        done = subprocess.run(
-            [sys.executable, "-c", COMPILES], env=environment, capture_output=True, text=True, check=True
-        )
-        file, *words = done.stdout.splitlines()
-        assert file == str(copy / "compiled.py")
-        said.append(words)
-    assert [words[0] for words in said] == ["compiled", "loaded"]
-    assert said[0][1:] == said[1][1:]
-
-
-def test_the_kernel_of_a_module_that_is_not_ours_is_kept_by_its_file(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """The folder's name does not follow from its source, so that Numba looks whether that is the same."""
-    monkeypatch.setattr(module, "cache_root", lambda: tmp_path)
-    compiled(doubled_plus_one)(3.0)
-    (index,) = tmp_path.rglob("*.nbi")
-    assert index.parent.name.startswith("unit_")
 
 
 def test_numbas_own_setting_moves_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
