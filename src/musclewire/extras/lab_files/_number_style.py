@@ -95,7 +95,7 @@ def style_of(cells: Iterable[str]) -> NumberStyle:
     # A mark of none may have a point among decimal commas, as 1.#INF or 9.9E+37 have.
     decimal = "," if commas > 9 * points else "."
     thousands = _SPACES if any(_SPACE_THOUSANDS.fullmatch(cell) for cell in numbers) else ""
-    is_open = not commas and not any(_POINT.search(cell) for cell in numbers)
+    is_open = not (commas or thousands) and not any(_POINT.search(cell) for cell in numbers)
     grouped = None
     if decimal == "," and all(_GROUPS[","].fullmatch(cell) for cell in numbers if "," in cell):
         # Thousands begin with no zero, and smaller numbers have no comma; where all have one, that is not known.

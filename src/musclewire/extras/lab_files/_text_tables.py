@@ -44,6 +44,8 @@ _COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
 # With what a comment or a blank line begins; any other line needs no closer look.
 _MAY_BE_NO_ROW = frozenset("#%/!; \t\f\v\xa0")
 _ONLY_SEPARATORS = " \t;,|"
+# For NumPy; a point among decimal commas makes a number none.
+_COMMA_AS_POINT = str.maketrans({",": ".", ".": "x"})
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
 _HEAD_LINES = 2000  # the first ones, from which the layout follows,
 _HEAD_LENGTH = 1 << 22  # and their characters: of long lines fewer are looked at
@@ -173,7 +175,7 @@ class TextTable:
         if len(counts) > 1 or counts > {len(layout.headers)} or any('"' in text for text in texts):
             return None
         source = [self.parts[index][0] for index in indices]
-        lines = [text.replace(",", ".") for text in texts] if layout.style.decimal == "," else texts
+        lines = [text.translate(_COMMA_AS_POINT) for text in texts] if layout.style.decimal == "," else texts
         separator = None if layout.separator == " " else layout.separator
         try:
             # A blank cell or any word but nan and inf ends this; what NumPy reads is what float() reads.

@@ -37,6 +37,13 @@ def test_commas_between_thousands_show_where_smaller_numbers_have_none(file):
         read_recording(file("time [s]\tForce [mN]\n0.5\t1,000\n1.0\t1,002\n1.5\t1,250\n"))
 
 
+def test_a_point_among_decimal_commas_is_no_decimal_sign_and_an_apostrophe_none_at_all(file):
+    path = file("Zeit (s);Kraft (mN)\n0,5;998\n1,0;1.002\n1,5;1.250\n")
+    assert refusal(path) == "line 3, column 'Kraft (mN)': '1.002' is not a number; correct it or remove the line"
+    recording = read_recording(file("Time (s),Force (mN)\n0.5,998\n1.0,1'002\n1.5,1'250\n"))
+    assert recording["force_n"].tolist() == pytest.approx([0.998, 1.002, 1.25])
+
+
 def test_a_comma_between_thousands_is_never_a_decimal_comma(file):
     path = file("time_s;force_n\n0.5;1,234\n1.5;1,235\n")
     assert refusal(path) == "line 2, column 'force_n': '1,234' is not a number; correct it or remove the line"
