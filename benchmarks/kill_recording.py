@@ -32,7 +32,8 @@ import numpy as np
 
 from musclewire.errors import MusclewireError, RecordingNotWrittenError
 from musclewire.experiment import Recorder
-from musclewire.signals import Recording, read_hdf5, recover_recording
+from musclewire.files import read_hdf5
+from musclewire.signals import Recording, recover_recording
 
 PERIOD_S = 1e-3
 OLDEST_LOST_S = 1.0

@@ -71,7 +71,7 @@ COMMANDS: tuple[tuple[str, dict[str, str]], ...] = (
 
 def numbers_of_recording(path: Path) -> Numbers:
     """Return rows, metadata and the mean of each column."""
-    from musclewire.signals import read_recording
+    from musclewire.files import read_recording
 
     recording = read_recording(path)
     means = {name: float(np.mean(recording[name])) for name in recording.names}
@@ -89,7 +89,7 @@ def numbers_of_model(path: Path) -> Numbers:
 
 def numbers_of_mapping(path: Path) -> Numbers:
     """Return what a foreign file is by its mapping."""
-    from musclewire.signals import read_recording
+    from musclewire.files import read_recording
 
     recording = read_recording(path.with_name("foreign.csv"), mapping=path)
     return {name: recording[name].tolist() for name in recording.names}

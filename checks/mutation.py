@@ -51,7 +51,7 @@ PROTECTION = (
     "rigs/_remembered_temperature.py",
     "experiment/_calm_air.py",
 )
-CORE = ("wire", "sensing", "controllers", "rigs", "signals", "judge", "identify", "experiment", "parameters")
+CORE = ("wire", "sensing", "controllers", "rigs", "signals", "files", "judge", "identify", "experiment", "parameters")
 GUARDIAN = ("extras/board/_nidaq/guardian.py",)
 FIRMWARE = (
     *(f"extras/board/c_library/mw_{name}.c" for name in ("protect", "controller", "sensing")),

@@ -25,7 +25,7 @@ Numbers are SI everywhere in Python, and the unit ends the name: `drive_voltage_
 
 After `import musclewire as mw` every name below is there; the package imports nothing until one is used. These names
 and `compiled` at the end are promised: a release that changes one says so. What a page names otherwise, as
-`join_recordings` of `musclewire.signals`, is musclewire's own and may change in any release.
+`join_recordings` of `musclewire.identify`, is musclewire's own and may change in any release.
 """
 RESULTS = """## What they return
 
@@ -41,6 +41,7 @@ HEADINGS = {
     "experiment": "Experiments",
     "identify": "Models, calibration and gains",
     "signals": "Recordings",
+    "files": "Recordings",
     "sensing": "Estimators",
     "controllers": "Controllers",
     "parameters": "Wires, alloys and benches",

@@ -10,9 +10,9 @@ import pytest
 from tests.command_line import Answer
 
 import musclewire as mw
+from musclewire.files import read_recording
 from musclewire.identify import reached_in
 from musclewire.parameters import ValidityLimits, exceeds
-from musclewire.signals import read_recording
 
 # Pretensions in proportion to the section: what the maker's door has for 0.10 mm, on both legs of the bench's V.
 PRETENSION_N = {"0.10": 1.3, "0.15": 2.9, "0.25": 8.1}

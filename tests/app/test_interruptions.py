@@ -13,7 +13,7 @@ from tests.app.interrupting import ONE_IN_CI, PATIENCE_S, SIGNALS, start
 
 from musclewire.app import is_compiling
 from musclewire.errors import RecordingError
-from musclewire.signals import read_hdf5, read_recording
+from musclewire.files import read_hdf5, read_recording
 
 
 def rows_on_disk(path: Path) -> int:

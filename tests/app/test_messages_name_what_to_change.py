@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 
 def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no_loop(

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 
 @pytest.mark.parametrize(("text", "hold_s"), [("", 6.0), (" for 2 s", 2.0), (" for 2500 ms", 2.5)])

@@ -24,10 +24,10 @@ from musclewire.experiment import (
     pretension_sweep,
     run_on_rig,
 )
+from musclewire.files import read_recording
 from musclewire.identify import fit, tune
 from musclewire.rigs import GuardedRig, ProtectionTripError, RigConfiguration, open_rig
 from musclewire.sensing import load_model
-from musclewire.signals import read_recording
 
 AIR = {"draught": 0.2, "ambient_swing": 1.0}
 

@@ -11,11 +11,11 @@ from tests.published.page_parts import Outside
 
 from musclewire.controllers import FuzzyPidSettings, staircase
 from musclewire.experiment import characterize, control, control_metrics, determined
+from musclewire.files import read_recording
 from musclewire.identify import fit
 from musclewire.parameters import load_alloy, load_bench, load_wire, read_published
 from musclewire.rigs import open_rig
 from musclewire.sensing import load_model
-from musclewire.signals import read_recording
 
 PAPER = read_published("lan_fan_2010")
 PRINTED_PCT = [*PAPER["table2"]["mae_rise_pct"], *PAPER["table2"]["mae_return_pct"]]

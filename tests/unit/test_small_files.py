@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 from musclewire.controllers import load_rule_base
 from musclewire.errors import CallerError
+from musclewire.files import load_mapping
 from musclewire.parameters import load_wire
 from musclewire.rigs import read_rig_file
 from musclewire.sensing import load_model
-from musclewire.signals import load_mapping
 from musclewire.small_files import MAX_BYTES, json_of, read_small, toml_of, toml_text
 
 endless = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no device file without an end")

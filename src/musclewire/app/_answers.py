@@ -18,10 +18,11 @@ from musclewire.experiment import (
     StepSpread,
     TrainingCycle,
 )
+from musclewire.files import IgnoredHeader, MatchedHeader, UndecidedHeader
 from musclewire.identify import SufficientChanges, TooFast, WeakSupply
 from musclewire.judge import ErrorGroup
 from musclewire.sensing import HomeMove
-from musclewire.signals import IgnoredHeader, MatchedHeader, MetadataValue, UndecidedHeader
+from musclewire.signals import MetadataValue
 
 Words = tuple[str, ...]
 

@@ -25,7 +25,7 @@ from musclewire.errors import MusclewireError, RecordingError
 from musclewire.manifest import Command, CommandGroup, absent_part, loaded, manifests, offered, require_packages_of
 
 if TYPE_CHECKING:
-    from musclewire.signals import ImportMapping
+    from musclewire.files import ImportMapping
 
 # Commands with one of these parameters have a rig or a wire, whose numbers --beyond-catalogue confirms.
 WITH_A_WIRE = {"rig", "wire", "study", "wire_file"}

@@ -307,8 +307,9 @@ def read_reference(reference: str, quantity: str, loaded: SensingModel) -> Refer
     """Return the steps that the text describes, or the targets in a recording file; None for the built-in staircase."""
     from musclewire.controllers import sampled_reference, staircase
     from musclewire.experiment import check_targets
+    from musclewire.files import read_recording
     from musclewire.sensing import SHOWN_AS
-    from musclewire.signals import COLUMN_SUFFIX, parse_quantity, read_recording
+    from musclewire.signals import COLUMN_SUFFIX, parse_quantity
 
     if reference == "staircase":
         return None

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from musclewire.app._answers import ImportAnswer
+    from musclewire.files import ImportMapping
     from musclewire.identify import FileInterpretation, JoinedRecordings
-    from musclewire.signals import ImportMapping
 
 
 def import_recordings(
@@ -37,9 +37,9 @@ def import_recordings(
     matlab_version: Annotated[str | None, MATLAB_VERSION] = None,
 ) -> Result:
     """Read recordings of other programs and show how they were interpreted; with -o convert one, or join two."""
+    from musclewire.files import mappings_of_files
+    from musclewire.files import save_mapping as remember
     from musclewire.identify import import_recording
-    from musclewire.signals import mappings_of_files
-    from musclewire.signals import save_mapping as remember
 
     require_possible(files, join if delay is None else delay, output, save_mapping, overwrite)
     joining = join is not None or delay is not None or (output is not None and len(files) > 1)
@@ -94,7 +94,7 @@ def require_possible(
 
 def drawn(path: Path, mapping: ImportMapping, joined: JoinedRecordings | None, *, style: str) -> Figure:
     """Return the figure of what was imported: the joined recording, or the only file."""
-    from musclewire.signals import read_recording
+    from musclewire.files import read_recording
 
     recording = read_recording(path, mapping=mapping) if joined is None else joined.recording
     return recording.plot(style=style)
@@ -104,8 +104,8 @@ def joined_files(
     files: list[Path], mappings: list[ImportMapping], join: str | None, delay_s: float | None = None
 ) -> JoinedRecordings:
     """Return two files as one recording on the first one's clock."""
+    from musclewire.files import read_recording
     from musclewire.identify import join_recordings
-    from musclewire.signals import read_recording
 
     first, second = (read_recording(path, mapping=mapping) for path, mapping in zip(files, mappings, strict=True))
     one, equals, other = (join or "").partition("=")

@@ -27,7 +27,8 @@ from musclewire.app._output import say, tell
 from musclewire.errors import MusclewireError, RecordingError
 
 if TYPE_CHECKING:
-    from musclewire.signals import ImportMapping, MetadataValue, Recording
+    from musclewire.files import ImportMapping
+    from musclewire.signals import MetadataValue, Recording
 
 PUBLISHED = ("lan-fan-2010-table-2",)
 
@@ -60,7 +61,7 @@ class ReadingOptions:
 
     def import_mapping(self) -> ImportMapping:
         """Return all options as a mapping; those of a mapping file come second."""
-        from musclewire.signals import ImportMapping, load_mapping
+        from musclewire.files import ImportMapping, load_mapping
 
         if isinstance(self.proposed, ImportMapping):
             return self.proposed
@@ -81,7 +82,7 @@ class ReadingOptions:
         """Return a recording by path, or the paper's own measured wire by name."""
         from importlib.resources import as_file, files
 
-        from musclewire.signals import read_recording
+        from musclewire.files import read_recording
 
         if recording in PUBLISHED and not Path(recording).exists():
             with as_file(files("musclewire.parameters") / "data" / "published" / f"{recording}.csv") as path:
@@ -100,8 +101,8 @@ class ReadingOptions:
 
         ``tried`` returns what the command that was typed ends with by a mapping.
         """
+        from musclewire.files import mappings_of_files
         from musclewire.identify import import_recording, proposed_mapping
-        from musclewire.signals import mappings_of_files
 
         for path, wanted in zip(paths, mappings_of_files(paths, self.import_mapping()), strict=True):
             if len(paths) > 1 and not str(problem).startswith(path):
@@ -125,7 +126,7 @@ class ReadingOptions:
         """Return the command that reads a file: the one that was typed, if it does so ``itself``, or import."""
         if proposal is None:
             return []
-        from musclewire.signals import load_mapping
+        from musclewire.files import load_mapping
 
         remembered = [] if self.mapping is None else as_options(load_mapping(self.mapping))
         added = [option for option in as_options(proposal) if option not in remembered]

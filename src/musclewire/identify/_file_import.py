@@ -10,23 +10,20 @@ from pathlib import Path
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.identify._file_interpretation import FileInterpretation, interpretation_of
-from musclewire.identify._proposed_mappings import columns_offered, proposed_addition
-from musclewire.judge import JudgedReadings, ReadingsOfBlocks
-from musclewire.signals import (
+from musclewire.files import (
     NO_SHUNT,
     SHUNT_NEEDED,
     CheckedBlocks,
     CurableError,
     ImportMapping,
-    MetadataValue,
     checked_blocks,
-    checked_metadata,
     given_mapping,
     import_plan,
-    require_format,
-    write_blocks,
 )
+from musclewire.identify._file_interpretation import FileInterpretation, interpretation_of
+from musclewire.identify._proposed_mappings import columns_offered, proposed_addition
+from musclewire.judge import JudgedReadings, ReadingsOfBlocks
+from musclewire.signals import MetadataValue, checked_metadata, require_format, write_blocks
 
 # Blocks of rows that are read before a file is written.
 BUFFERED_BLOCKS = 8

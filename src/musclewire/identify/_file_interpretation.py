@@ -5,24 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from musclewire.identify._proposed_mappings import OFFERED
-from musclewire.signals import (
-    COLUMNS,
+from musclewire.files import (
     CheckedBlocks,
     IgnoredHeader,
     ImportMapping,
     ImportPlan,
     MatchedHeader,
-    MetadataValue,
-    RunFacts,
     SourceTable,
     UndecidedHeader,
     heads_of,
-    measures,
-    one_line,
     rows_in,
     split_header,
 )
+from musclewire.identify._proposed_mappings import OFFERED
+from musclewire.signals import COLUMNS, MetadataValue, RunFacts, measures, one_line
 
 # What a report shows of a file that holds more:
 MAX_LISTED = 20  # ignored headers

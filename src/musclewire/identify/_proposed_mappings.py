@@ -9,8 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.signals import (
-    COLUMNS,
+from musclewire.files import (
     HeaderMatch,
     HeaderWithoutUnit,
     IgnoredHeader,
@@ -20,12 +19,10 @@ from musclewire.signals import (
     SourceTable,
     UndecidedHeader,
     head_of,
-    measures,
     name_and_unit,
-    needs_no_clock,
-    scale_between,
     split_header,
 )
+from musclewire.signals import COLUMNS, measures, needs_no_clock, scale_between
 
 # What a column with an unknown name is offered as, by its unit; the likeliest first.
 OFFERED = (

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
+from musclewire.files import turned_columns
 from musclewire.judge._unusable_readings import judge_readings
 from musclewire.physics import ArrayReading, wire_resistance, wire_resistance_from_current
-from musclewire.signals import Reason, Recording, asked_once, turned_columns
+from musclewire.signals import Reason, Recording, asked_once
 
 Mask = NDArray[np.bool_]
 # The columns from which resistance follows, the rawest first.

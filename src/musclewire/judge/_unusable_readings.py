@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
+from musclewire.files import NOTED_BY_IMPORT, is_overload
 from musclewire.judge._lone_readings import MEASURED, MOTION, OFF_FRACTION, PASSED, lone_readings
-from musclewire.signals import COLUMNS, NOTED_BY_IMPORT, MetadataValue, is_overload
+from musclewire.signals import COLUMNS, MetadataValue
 
 Rows = NDArray[np.bool_]
 Columns = Mapping[str, FloatArray]

@@ -11,6 +11,7 @@ from pydantic import Field
 
 from musclewire.controllers import ProtectionLimits
 from musclewire.errors import RecordingError, RigError
+from musclewire.files import read_hdf5, read_recording
 from musclewire.parameters import validated
 from musclewire.rigs._device import SWITCHED_OFF, Answer, DeviceFacts, Metadata
 from musclewire.rigs._kinds import DeviceConfiguration, DeviceKind
@@ -27,16 +28,7 @@ from musclewire.rigs._mounted_wire import (
     WireLength,
     may_be_left_out,
 )
-from musclewire.signals import (
-    REFERENCE_COLUMNS,
-    Command,
-    Drive,
-    RawSample,
-    Recording,
-    drive_voltage_of,
-    read_hdf5,
-    read_recording,
-)
+from musclewire.signals import REFERENCE_COLUMNS, Command, Drive, RawSample, Recording, drive_voltage_of
 
 # Metadata that describe a recording's own run and not its rig: the run on the replay sets its own.
 OF_THE_RUN = {"experiment", "ended", "start_time", "software_version", "pace", "scheduling", "deadline_misses"}

@@ -232,7 +232,7 @@ def _document(source: Path) -> dict[str, Any]:
 def _is_recording(source: Path) -> bool:
     """Return whether a file has columns of a recording, whatever it lacks."""
     # Here, because what reads files of others takes long to load, and most loops have a model.
-    from musclewire.signals import ImportMapping, import_plan
+    from musclewire.files import ImportMapping, import_plan
 
     try:
         return bool(import_plan(source, ImportMapping()).match.taken)

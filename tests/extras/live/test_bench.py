@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from tests.extras.live.bench import MAX_WAIT_S, ask, bench, in_control, until_phase
 
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 pytestmark = pytest.mark.slow
 

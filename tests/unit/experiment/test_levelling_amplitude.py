@@ -9,9 +9,10 @@ import pytest
 
 from musclewire.experiment import characterize
 from musclewire.experiment._open_loop import levelling_amplitude
+from musclewire.files import read_recording
 from musclewire.identify import shows_c
 from musclewire.rigs import open_rig
-from musclewire.signals import Recording, read_recording
+from musclewire.signals import Recording
 
 
 def test_a_loop_that_still_falls_where_it_turned_says_so_in_its_file(tmp_path: Path) -> None:

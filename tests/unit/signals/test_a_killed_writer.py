@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from musclewire.signals import read_hdf5
+from musclewire.files import read_hdf5
 
 WRITER = """
 import sys

@@ -11,7 +11,8 @@ from types import SimpleNamespace
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.signals import COLUMNS, Recording, check_columns, known_column, read_recording
+from musclewire.files import read_recording
+from musclewire.signals import COLUMNS, Recording, check_columns, known_column
 from musclewire.signals._columns import _Columns
 
 VALUES = {"time_s": [0.0, 0.1], "extra_hottest_k": [300.0, 301.0], "extra_mode": [1.0, 2.0]}

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import RecordingWriter, read_hdf5
+from musclewire.files import read_hdf5
+from musclewire.signals import RecordingWriter
 
 NAMES = ("time_s", "wire_voltage_v", "shunt_voltage_v")
 
@@ -113,7 +114,7 @@ def test_a_wrong_row_is_refused_and_the_recording_goes_on(tmp_path, wrong, messa
 
 def test_a_file_that_another_program_writes_is_said_to_be(tmp_path):
     write_rows(tmp_path / "run.h5", 3)
-    reader = "import sys; from musclewire.signals._reading import read_hdf5; read_hdf5(sys.argv[1])"
+    reader = "import sys; from musclewire.files._reading import read_hdf5; read_hdf5(sys.argv[1])"
     with h5py.File(tmp_path / "run.h5", "r+"):
         command = [sys.executable, "-c", reader, str(tmp_path / "run.h5")]
         answer = subprocess.run(command, capture_output=True, text=True, check=False)

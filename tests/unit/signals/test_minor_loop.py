@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from musclewire.files import read_recording
 from musclewire.identify import import_recording, join_recordings
-from musclewire.signals import MINOR_LOOP_FROM, Recording, journal_of, read_recording, recover_recording
+from musclewire.signals import MINOR_LOOP_FROM, Recording, journal_of, recover_recording
 from musclewire.signals._journal import encoded_rows, encoded_start
 
 ROWS, OF_CYCLES = 10, 6

@@ -13,7 +13,8 @@ import h5py
 import numpy as np
 import pytest
 
-from musclewire.signals import read_hdf5, read_recording, recover_recording
+from musclewire.files import read_hdf5, read_recording
+from musclewire.signals import recover_recording
 
 OLD = Path(__file__).parent / "old_recordings"
 STATED = {

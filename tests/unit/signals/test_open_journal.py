@@ -18,7 +18,8 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError, RecordingNotWrittenError
 from musclewire.experiment import Recorder
-from musclewire.signals import OpenJournal, journal_of, read_hdf5, read_recording
+from musclewire.files import read_hdf5, read_recording
+from musclewire.signals import OpenJournal, journal_of
 
 COLUMNS = ["time_s", "drive_voltage_v", "wire_voltage_v"]
 # A host that is killed as soon as all of its rows have been taken from the loop.

@@ -12,15 +12,8 @@ from hypothesis import strategies as st
 from tests.subjects import subjects_of
 
 from musclewire.errors import CallerError
-from musclewire.signals import (
-    COLUMNS,
-    Recording,
-    RecordingWriter,
-    checked_metadata,
-    entry_from_text,
-    read_recording,
-    value_to_text,
-)
+from musclewire.files import read_recording
+from musclewire.signals import COLUMNS, Recording, RecordingWriter, checked_metadata, entry_from_text, value_to_text
 
 TEXT_KEYS = ["wire", "rig", "software_version", "start_time", "ended", "note"]
 

@@ -8,15 +8,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import (
-    Recording,
-    RecordingWriter,
-    describe_recording,
-    journal_of,
-    read_hdf5,
-    read_recording,
-    recover_recording,
-)
+from musclewire.files import read_hdf5, read_recording
+from musclewire.signals import Recording, RecordingWriter, describe_recording, journal_of, recover_recording
 from musclewire.signals._journal import encoded_rows, encoded_start
 
 COLUMNS = ("time_s", "force_n")

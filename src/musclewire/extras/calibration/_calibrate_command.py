@@ -172,7 +172,7 @@ def mappings_for(name: str, column: list[str] | None) -> list[str] | None:
     """Return those of the mappings that are for this file: none for our own, by number for files without headers."""
     if not column or Path(name).suffix.lower() in OWN_FORMAT or not Path(name).exists():
         return None
-    from musclewire.signals import has_headers
+    from musclewire.files import has_headers
 
     named = has_headers(name)
     return [pair for pair in column if pair.partition("=")[2].lstrip().startswith("#") is not named]

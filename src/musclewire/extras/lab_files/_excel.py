@@ -25,14 +25,8 @@ from musclewire.errors import CallerError, RecordingError, argument, nearest_hin
 from musclewire.extras.lab_files._file_table import MAX_NAMED, check_limits, damage_reported, one_line
 from musclewire.extras.lab_files._text_lines import Line
 from musclewire.extras.lab_files._text_tables import TextTable, table_of_lines
-from musclewire.signals import (
-    CurableError,
-    FileWriter,
-    ImportMapping,
-    MetadataValue,
-    entry_from_text,
-    value_to_text,
-)
+from musclewire.files import CurableError, ImportMapping
+from musclewire.signals import FileWriter, MetadataValue, entry_from_text, value_to_text
 
 MAX_ROWS = 1_048_576  # of a sheet of Excel 2007 and later
 MAX_COLUMNS = 16_384  # of the same

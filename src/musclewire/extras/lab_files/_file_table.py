@@ -11,22 +11,17 @@ from pathlib import Path
 import numpy as np
 
 from musclewire.errors import MusclewireError, RecordingError, argument, nearest_hint
-from musclewire.signals import (
+from musclewire.files import (
     BLOCK_ROWS,
     Cells,
     CurableError,
     ImportMapping,
-    MetadataValue,
     RowBlock,
     SourceColumn,
-    checked_metadata,
-    columns_called,
-    entry_from_text,
-    key_of_header,
-    measures,
     split_header,
     stated_periods_s,
 )
+from musclewire.signals import MetadataValue, checked_metadata, columns_called, entry_from_text, key_of_header, measures
 
 # Characters: a longer name or text was not written by a person, and would fill the screen.
 MAX_TEXT_LENGTH = 200

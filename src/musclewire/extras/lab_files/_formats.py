@@ -7,8 +7,8 @@ from pathlib import Path
 
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files.manifest import TEXT_SUFFIXES
+from musclewire.files import SourceTable
 from musclewire.manifest import loaded
-from musclewire.signals import SourceTable
 
 _Reader = Callable[[Path, str | None], SourceTable]
 _LABVIEW_TEXT = (b"LabVIEW Measurement", b"\xef\xbb\xbfLabVIEW Measurement")

@@ -26,7 +26,8 @@ from musclewire.extras.lab_files._file_table import (
     metadata_of,
     one_line,
 )
-from musclewire.signals import Cells, columns_called, parse_quantity, split_header, stated_periods_s
+from musclewire.files import Cells, split_header, stated_periods_s
+from musclewire.signals import columns_called, parse_quantity
 
 MAX_COLUMNS = 10_000  # of a matrix; a damaged file may state any number
 

@@ -13,7 +13,8 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument, require_extra
 from musclewire.extras.lab_files._file_table import FileTable, check_limits, damage_reported, metadata_of, one_line
-from musclewire.signals import BLOCK_ROWS, COLUMNS, Cells, FileWriter, Fill, MetadataValue, RowBlock, SourceColumn
+from musclewire.files import BLOCK_ROWS, Cells, RowBlock, SourceColumn
+from musclewire.signals import COLUMNS, FileWriter, Fill, MetadataValue
 
 # Our files keep the metadata under this key of the schema, as JSON.
 PARQUET_KEY = b"musclewire-recording"

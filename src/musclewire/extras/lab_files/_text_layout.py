@@ -17,15 +17,8 @@ from typing import Any
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._number_style import NumberStyle, is_missing, looks_numeric, number_and_unit, style_of
 from musclewire.extras.lab_files._text_lines import Line
-from musclewire.signals import (
-    MetadataValue,
-    entry_from_text,
-    is_clock_text,
-    is_unit,
-    scale_between,
-    stated_periods_s,
-    written_clock,
-)
+from musclewire.files import is_clock_text, stated_periods_s, written_clock
+from musclewire.signals import MetadataValue, entry_from_text, is_unit, scale_between
 
 SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", " ": "spaces"}
 # Tab and semicolon come before the comma, because in a file that they separate a comma may be the decimal sign.

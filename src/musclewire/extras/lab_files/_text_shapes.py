@@ -16,7 +16,8 @@ from typing import NamedTuple
 from musclewire.extras.lab_files._number_style import is_missing, looks_numeric
 from musclewire.extras.lab_files._text_layout import separator_of, split_lines
 from musclewire.extras.lab_files._text_lines import Line
-from musclewire.signals import is_clock_text, is_unit
+from musclewire.files import is_clock_text
+from musclewire.signals import is_unit
 
 _NUMBER = r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d+)?"
 _PAIR = re.compile(r"\s*(?P<name>[^\W\d][^:=]*?|\d+\s*[^\W\d][^:=]*?)\s*[:=]\s*(?P<value>.*?)\s*")

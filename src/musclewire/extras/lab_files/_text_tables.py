@@ -28,17 +28,8 @@ from musclewire.extras.lab_files._text_layout import (
 )
 from musclewire.extras.lab_files._text_lines import Line, ends_within_a_line, lines_of
 from musclewire.extras.lab_files._text_shapes import shape_of
-from musclewire.signals import (
-    BLOCK_ROWS,
-    Cells,
-    MetadataValue,
-    RowBlock,
-    SourceColumn,
-    is_unit,
-    scale_between,
-    stated_periods_s,
-    without_groups,
-)
+from musclewire.files import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_periods_s, without_groups
+from musclewire.signals import MetadataValue, is_unit, scale_between
 
 _COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
 # With what a comment or a blank line begins; any other line needs no closer look.

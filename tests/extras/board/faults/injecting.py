@@ -25,8 +25,9 @@ from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment import Decision, run_on_rig
 from musclewire.extras.board import SerialDevice, SerialFrame, encode_frame
 from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.files import read_hdf5
 from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
-from musclewire.signals import Command, Drive, RawSample, Recording, Target, read_hdf5
+from musclewire.signals import Command, Drive, RawSample, Recording, Target
 
 __all__ = ["Outcome", "command_run", "judged_s", "scripted_run"]
 

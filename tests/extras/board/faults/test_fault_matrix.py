@@ -20,8 +20,8 @@ from musclewire.errors import RigError
 from musclewire.extras.board._serial import board as board_module
 from musclewire.extras.board._serial import frames
 from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
+from musclewire.files import read_recording
 from musclewire.rigs import open_rig
-from musclewire.signals import read_recording
 
 MATRIX = fault_matrix()
 ATTEMPTS = 5

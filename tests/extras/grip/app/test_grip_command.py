@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from musclewire.extras.grip import GripperKnowledge
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 
 @pytest.mark.slow

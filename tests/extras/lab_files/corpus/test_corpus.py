@@ -14,8 +14,9 @@ import pytest
 
 from musclewire.app import in_options
 from musclewire.errors import CallerError, RecordingError
+from musclewire.files import ImportMapping, read_recording
 from musclewire.identify import import_recording
-from musclewire.signals import ImportMapping, parse_quantity, read_recording
+from musclewire.signals import parse_quantity
 
 MANIFESTS = sorted(Path(__file__).parent.rglob("*.toml"), key=lambda path: path.name)
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from musclewire.files import read_recording
 from musclewire.parameters import names
-from musclewire.signals import read_recording
 
 
 def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., Any]) -> None:

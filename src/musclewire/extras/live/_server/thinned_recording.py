@@ -13,7 +13,8 @@ import numpy as np
 
 from musclewire.errors import MusclewireError
 from musclewire.extras.live._server.json_texts import compact
-from musclewire.signals import Recording, read_hdf5
+from musclewire.files import read_hdf5
+from musclewire.signals import Recording
 
 
 def main(arguments: list[str]) -> int:

@@ -11,7 +11,7 @@ import pytest
 from tests.extras.lab_files.corpus.lab_signals import DISPLACEMENT_MM, SHUNT_VOLTAGE_V, TIME_S, WIRE_VOLTAGE_V
 
 from musclewire.errors import RecordingError
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 BEGAN = datetime(2026, 2, 17, 12, 21)
 HEADERS = ["U wire (V)", "U shunt (V)", "Stroke (mm)"]

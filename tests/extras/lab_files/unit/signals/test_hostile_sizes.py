@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from musclewire.errors import MissingExtraError, MusclewireError
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 # Reading runs in a process of its own, whose largest memory is asked for afterwards. The kernel's VmHWM is of that
 # program alone; ru_maxrss keeps what its parent, a process with thousands of tests behind it, held when it began.
@@ -17,7 +17,7 @@ CHILD = r"""
 import re, sys
 from pathlib import Path
 from musclewire.errors import MusclewireError
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 try:
     print(read_recording(sys.argv[1]))
 except MusclewireError as problem:

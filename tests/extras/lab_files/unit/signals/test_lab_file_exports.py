@@ -10,7 +10,8 @@ from musclewire.errors import CallerError
 from musclewire.extras.lab_files import _excel as excel_export
 from musclewire.extras.lab_files import _matlab as matlab_export
 from musclewire.extras.lab_files._matlab import fill_matlab, fill_matlab_73
-from musclewire.signals import Recording, read_recording
+from musclewire.files import read_recording
+from musclewire.signals import Recording
 
 TIME_S = np.arange(5) * 0.1
 RECORDING = Recording(

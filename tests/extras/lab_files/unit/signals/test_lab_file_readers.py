@@ -26,8 +26,8 @@ from tests.places import TESTS
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.extras.lab_files._formats import lab_file_reader
 from musclewire.extras.lab_files._hdf5_tree import read_hdf5_of_others
+from musclewire.files import load_mapping, read_recording, save_mapping
 from musclewire.identify import import_recording
-from musclewire.signals import load_mapping, read_recording, save_mapping
 
 CORPUS = TESTS / "extras/lab_files/corpus"
 

@@ -7,8 +7,9 @@ import pyarrow.parquet
 import pytest
 
 from musclewire.errors import MissingExtraError, RecordingError
+from musclewire.files import read_recording
 from musclewire.identify import import_recording
-from musclewire.signals import Recording, read_recording
+from musclewire.signals import Recording
 
 
 def write(path, columns, metadata=None):

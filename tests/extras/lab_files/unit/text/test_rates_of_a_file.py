@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
+from musclewire.files import ImportMapping, read_recording
 from musclewire.identify import import_recording
 from musclewire.judge import judge_readings
-from musclewire.signals import ImportMapping, read_recording
 
 TIMES_S = 0.05 * np.arange(200)
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
+from musclewire.files import read_recording
 from musclewire.identify import import_recording
-from musclewire.signals import Recording, read_recording
+from musclewire.signals import Recording
 
 FOREIGN = "Time [ms],V_SMA [mV],V_R [V],pos,T (°C),Humidity\n0,1000,0.5,1,25,40\n50,1100,0.6,2,26,41\n"
 

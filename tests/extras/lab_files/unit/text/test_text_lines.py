@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._text_lines import lines_of
-from musclewire.signals import read_recording
+from musclewire.files import read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 endings = st.sampled_from(["\n", "\r\n", "\r"])

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
+from musclewire.files import ImportMapping, read_recording
 from musclewire.identify import import_recording
-from musclewire.signals import ImportMapping, read_recording
 
 PLAIN = "time_s,force_n\n0,1.5\n1,2.5\n"
 

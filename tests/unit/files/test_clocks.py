@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.signals import Cells, SourceColumn, name_and_unit
-from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible
+from musclewire.files import Cells, SourceColumn, name_and_unit
+from musclewire.files._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible
 
 TIMES_S = 0.2 * np.arange(300)
 VOLTS = 1.5 - np.cos(2.0 * np.pi * TIMES_S / 60.0)

@@ -10,18 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals._csv import fill_csv, read_plain_csv
+from musclewire.files._plain_csv import read_plain_csv
+from musclewire.signals import Recording
 
-NUMBERS = st.lists(st.tuples(st.floats(allow_nan=False), st.floats(allow_nan=False)), min_size=1, max_size=20)
+NUMBERS = st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=2, max_size=20)
 
 
 @given(rows=NUMBERS)
-def test_what_we_write_is_read_to_the_bit(
-    rows: list[tuple[float, float]], tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_what_we_write_is_read_to_the_bit(rows: list[float], tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("csv") / "run.csv"
-    time_s, force_n = np.array(rows).T
-    fill_csv({"time_s": time_s, "force_n": force_n}, {"wire": "a b", "leg_length_m": 0.14}, path)
+    time_s, force_n = np.arange(float(len(rows))), np.array(rows)
+    Recording({"time_s": time_s, "force_n": force_n}, {"wire": "a b", "leg_length_m": 0.14}).save(path)
     table = read_plain_csv(path)
     assert [column.header for column in table.columns] == ["time_s", "force_n"]
     assert dict(table.metadata) == {"wire": "a b", "leg_length_m": 0.14}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.signals import stated_periods_s
-from musclewire.signals._source_table import differing_periods, doubted_clock
+from musclewire.files import stated_periods_s
+from musclewire.files._source_table import differing_periods, doubted_clock
 
 TIMES_S = 0.05 * np.arange(200)
 

@@ -16,16 +16,8 @@ from numpy.typing import NDArray
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible, is_time_name
-from musclewire.signals._columns import (
-    BRANCH_TABLE,
-    COLUMNS,
-    ISOBAR_TABLE,
-    PULSE_TABLE,
-    known_column,
-    needs_no_clock,
-)
-from musclewire.signals._headers import (
+from musclewire.files._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock, impossible, is_time_name
+from musclewire.files._headers import (
     EmptyHeader,
     HeaderMatch,
     HeaderWithoutUnit,
@@ -40,11 +32,10 @@ from musclewire.signals._headers import (
     numbered_headers,
     require_same,
 )
-from musclewire.signals._import_mapping import CurableError, ImportMapping
-from musclewire.signals._long_tables import spread_series
-from musclewire.signals._metadata import MetadataValue
-from musclewire.signals._side_by_side import stacked_branches
-from musclewire.signals._source_table import (
+from musclewire.files._import_mapping import CurableError, ImportMapping
+from musclewire.files._long_tables import spread_series
+from musclewire.files._side_by_side import stacked_branches
+from musclewire.files._source_table import (
     Cells,
     RowBlock,
     SourceTable,
@@ -54,7 +45,18 @@ from musclewire.signals._source_table import (
     rows_in,
     stated_start_s,
 )
-from musclewire.signals._units import largest_in, out_of_range_message, scale_to_si
+from musclewire.signals import (
+    BRANCH_TABLE,
+    COLUMNS,
+    ISOBAR_TABLE,
+    PULSE_TABLE,
+    MetadataValue,
+    known_column,
+    largest_in,
+    needs_no_clock,
+    out_of_range_message,
+    scale_to_si,
+)
 
 # Which rows of a block, and the numbers of some.
 Rows = NDArray[np.bool_]

@@ -10,14 +10,12 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
+from musclewire.files._headers import missing_from, numbered_headers
+from musclewire.files._import_mapping import ImportMapping, load_mapping
+from musclewire.files._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
+from musclewire.files._source_table import SourceColumn, SourceTable, TableInMemory
 from musclewire.manifest import absent_part, loaded, manifests
-from musclewire.signals._headers import missing_from, numbered_headers
-from musclewire.signals._import_mapping import ImportMapping, load_mapping
-from musclewire.signals._importing import CheckedBlocks, ImportPlan, checked_blocks, plan_import
-from musclewire.signals._journal import is_journal, unfinished
-from musclewire.signals._metadata import MetadataValue, checked_metadata
-from musclewire.signals._recording import Recording
-from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
+from musclewire.signals import MetadataValue, Recording, checked_metadata, is_journal, unfinished
 
 # A test below another is chosen behind the group of the file, if it has any.
 _TEST = re.compile(r"(?:(?P<group>.+), )?test (?P<test>\d{1,6})")
@@ -46,7 +44,7 @@ def read_recording(
     metadata
         Added to those of the file, and used instead of them if both state a key.
     mapping
-        Everything else about how the file is read: an :class:`~musclewire.signals.ImportMapping`, or the path of a
+        Everything else about how the file is read: an :class:`~musclewire.files.ImportMapping`, or the path of a
         mapping file; what ``columns`` and ``metadata`` say comes first. None if there is nothing else to say.
     group
         Group, sheet or struct of a file that holds several tables. None, the default, takes the only one; where there
@@ -96,7 +94,7 @@ def read_hdf5(path: str | Path) -> Recording:
 
     Raises RecordingError if the file is missing, damaged, or not a musclewire recording.
     """
-    from musclewire.signals._runs_on_disk import read_run
+    from musclewire.signals import read_run
 
     return _recording(*read_run(Path(path)), Path(path))
 
@@ -164,7 +162,7 @@ def _reader_for(path: Path) -> Callable[[Path, str | None], SourceTable]:
     if (read := _offered_reader(path)) is not None:
         return read
     if suffix == ".csv":
-        from musclewire.signals._csv import read_plain_csv
+        from musclewire.files._plain_csv import read_plain_csv
 
         return lambda file, group: read_plain_csv(without_groups(file, group))
     if (absent := absent_part("suffixes", suffix)) is not None:
@@ -194,7 +192,7 @@ def without_groups(path: Path, group: str | None) -> Path:
 
 
 def _hdf5_table(path: Path, group: str | None) -> SourceTable:
-    from musclewire.signals._hdf5 import is_recording
+    from musclewire.signals import is_recording
 
     if not is_recording(path):
         read = _offered_reader(path)

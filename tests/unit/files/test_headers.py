@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import ImportMapping, SourceColumn, TableInMemory, split_header
-from musclewire.signals._headers import match_columns
-from musclewire.signals._importing import plan_import
+from musclewire.files import ImportMapping, SourceColumn, TableInMemory, split_header
+from musclewire.files._headers import match_columns
+from musclewire.files._importing import plan_import
 
 
 def understand_headers(headers, mapping, path):

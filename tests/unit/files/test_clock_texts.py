@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import RecordingError
-from musclewire.signals import is_clock_text
-from musclewire.signals._clock_texts import ClockTexts
+from musclewire.files import is_clock_text
+from musclewire.files._clock_texts import ClockTexts
 
 START = datetime(2026, 2, 28, 23, 59, 58, 250000)
 STEPS = st.lists(st.integers(1, 3_600_000), min_size=1, max_size=20)

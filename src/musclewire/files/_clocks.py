@@ -14,10 +14,9 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError, argument
-from musclewire.signals._clock_texts import ClockTexts, is_clock_text, is_date, is_time_of_day, written_clock
-from musclewire.signals._columns import columns_called
-from musclewire.signals._source_table import Cells, SourceColumn
-from musclewire.signals._units import conversion_to_si, measures, scale_between, scale_to_si
+from musclewire.files._clock_texts import ClockTexts, is_clock_text, is_date, is_time_of_day, written_clock
+from musclewire.files._source_table import Cells, SourceColumn
+from musclewire.signals import columns_called, conversion_to_si, measures, scale_between, scale_to_si
 
 # A clock beyond this does not count from the beginning of a recording: it would have lasted three years.
 ABSOLUTE_FROM_S = 1e8

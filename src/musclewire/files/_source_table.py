@@ -15,7 +15,7 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._metadata import MetadataValue
+from musclewire.signals import MetadataValue
 
 # Rows that are handed over together: enough to be fast, and few enough to take little memory.
 BLOCK_ROWS = 65_536

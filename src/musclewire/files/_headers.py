@@ -8,13 +8,18 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from musclewire.errors import RecordingError, argument, nearest_hint
-from musclewire.signals._columns import BRANCH_TABLE, COLUMNS, Column, columns_called, key_of_header, known_column
-from musclewire.signals._import_mapping import ImportMapping
-from musclewire.signals._source_table import SourceColumn
-from musclewire.signals._units import (
+from musclewire.files._import_mapping import ImportMapping
+from musclewire.files._source_table import SourceColumn
+from musclewire.signals import (
+    BRANCH_TABLE,
+    COLUMNS,
+    Column,
     UnitConversion,
+    columns_called,
     conversion_to_si,
     is_unit,
+    key_of_header,
+    known_column,
     measures,
     scale_between,
     scale_to_si,

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from musclewire.arrays import FloatArray
-from musclewire.signals._columns import columns_called
-from musclewire.signals._headers import split_header
-from musclewire.signals._source_table import SourceColumn, SourceTable, TableInMemory
+from musclewire.files._headers import split_header
+from musclewire.files._source_table import SourceColumn, SourceTable, TableInMemory
+from musclewire.signals import columns_called
 
 _BRANCHES = (
     ("heating", re.compile(r"heating|heat-?up|warming|aufheizen|erwärmen|(?<![^\W_])heat(?![^\W_])", re.IGNORECASE)),

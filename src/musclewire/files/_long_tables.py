@@ -6,11 +6,10 @@ import numpy as np
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.signals._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock
-from musclewire.signals._columns import key_of_header
-from musclewire.signals._headers import name_and_unit
-from musclewire.signals._source_table import Cells, SourceColumn, SourceTable, TableInMemory, heads_of
-from musclewire.signals._units import is_unit, scale_between
+from musclewire.files._clocks import Clock, ClockReader, FirstRows, NoClock, find_clock
+from musclewire.files._headers import name_and_unit
+from musclewire.files._source_table import Cells, SourceColumn, SourceTable, TableInMemory, heads_of
+from musclewire.signals import is_unit, key_of_header, scale_between
 
 _NAMES = frozenset({"source", "src", "name", "channel", "sensor", "variable", "signal", "quantity", "series", "key"})
 _VALUES = frozenset({"value", "reading", "val", "wert", "measurement"})

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import ImportMapping, load_mapping, read_recording, save_mapping
+from musclewire.files import ImportMapping, load_mapping, read_recording, save_mapping
 
 HEAD = 'format = "musclewire-mapping"\nversion = 1\n'
 headers = st.text(st.characters(codec="utf-8"), min_size=1, max_size=12).filter(str.strip)

@@ -26,10 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from musclewire.errors import CallerError, RecordingError, argument, nearest_hint
-from musclewire.signals._columns import known_column
-from musclewire.signals._metadata import MetadataValue, checked_metadata
-from musclewire.signals._units import parse_quantity
-from musclewire.signals._whole_files import write_text_whole
+from musclewire.signals import MetadataValue, checked_metadata, known_column, parse_quantity, write_text_whole
 from musclewire.small_files import read_toml, toml_value
 
 _FORMAT = "musclewire-mapping"
