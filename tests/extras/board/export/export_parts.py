@@ -12,8 +12,7 @@ from tests.tools import require_tool
 
 from musclewire.controllers import DriveLimits, FeedforwardSettings, FuzzyPidSettings, Gains, ProtectionLimits
 from musclewire.errors import CallerError
-from musclewire.extras.board import ReferenceTick
-from musclewire.extras.board._c import CLibrary, write_library
+from musclewire.extras.board import CLibrary, ReferenceTick, write_library
 from musclewire.sensing import SensingModel
 
 SHUNT_OHM = 1.0

@@ -9,7 +9,7 @@ from tests.extras.board.export.export_parts import drive_limits, limits_for, usu
 
 from musclewire.controllers import FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.extras.board._c import CLibrary, write_library
+from musclewire.extras.board import CLibrary, write_library
 
 LIMITS = limits_for(usual_model())
 

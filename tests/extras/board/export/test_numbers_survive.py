@@ -19,8 +19,7 @@ from tests.tools import require_tool
 
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
-from musclewire.extras.board import literal
-from musclewire.extras.board._c import write_library
+from musclewire.extras.board import literal, write_library
 from musclewire.extras.board._c.precision import single_estimates
 
 # A double exactly half-way between two singles, whose shortest text lies to one side of it.

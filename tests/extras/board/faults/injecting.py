@@ -23,8 +23,7 @@ from tests.places import included_rig_file
 
 from musclewire.errors import MusclewireError, RecordingError
 from musclewire.experiment import Decision, run_on_rig
-from musclewire.extras.board import SerialDevice, SerialFrame, encode_frame
-from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.extras.board import MessageKind, SerialDevice, SerialFrame, encode_frame
 from musclewire.files import read_hdf5
 from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
 from musclewire.signals import Command, Drive, RawSample, Recording, Target

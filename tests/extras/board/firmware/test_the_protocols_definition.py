@@ -12,9 +12,9 @@ from firmware.protocol import DEFINITION, Protocol, page, protocol, written
 from pydantic import ValidationError
 
 from musclewire.controllers import Event, State
-from musclewire.extras.board import SerialFrame, read_message
+from musclewire.extras.board import MessageKind, SerialFrame, read_message
 from musclewire.extras.board._serial.message_types import LAYOUTS
-from musclewire.extras.board._serial.messages import BoardEvent, MessageKind
+from musclewire.extras.board._serial.messages import BoardEvent
 
 FILES = written()
 # Version 2 as boards in use speak it: these never change.

@@ -10,8 +10,7 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
 
 from musclewire.errors import CallerError
 from musclewire.experiment import Decision, run_on_rig
-from musclewire.extras.board import SerialFrame
-from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.extras.board import MessageKind, SerialFrame
 from musclewire.rigs import open_rig
 from musclewire.signals import Command, RawSample, Target, journal_of
 

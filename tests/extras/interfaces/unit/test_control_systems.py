@@ -10,14 +10,13 @@ import pytest
 
 from musclewire.controllers import ControllerSetup, DriveLimits, PidSettings, pid_controller
 from musclewire.errors import CallerError
-from musclewire.extras.interfaces import simulated_wire
+from musclewire.extras.interfaces import linearise, simulated_wire
 from musclewire.extras.interfaces._control_systems import (
     LinearWire,
     OperatingPoint,
     branch_system,
     controller_system,
     linear_system,
-    linearise,
     linearised,
     loop_margins,
     operating_point,

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from musclewire.controllers import Event, Protection
 from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment import characterize
-from musclewire.extras.interfaces import ENVIRONMENT, simulated_wire
-from musclewire.extras.interfaces._environments import WireEnv, WireVectorEnv
+from musclewire.extras.interfaces import ENVIRONMENT, WireVectorEnv, simulated_wire
+from musclewire.extras.interfaces._environments import WireEnv
 from musclewire.extras.interfaces._environments.kernels import ENDS, MEMORY, drive_lanes, read_lanes
 from musclewire.extras.interfaces._environments.vector import facts_of
 from musclewire.identify import fit

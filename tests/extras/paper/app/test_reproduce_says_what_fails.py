@@ -10,8 +10,9 @@ from typing import Any
 import pytest
 
 from musclewire.errors import RecordingError
+from musclewire.extras.paper import PaperCheck
 from musclewire.extras.paper import _reproduce as reproduce_room
-from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduction
+from musclewire.extras.paper._reproduce import RunCache, reproduction
 
 KEYS = {
     *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),

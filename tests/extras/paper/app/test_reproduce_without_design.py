@@ -11,8 +11,9 @@ import pytest
 
 from musclewire import manifest
 from musclewire.errors import CallerError
+from musclewire.extras.paper import PaperCheck, all_checks
 from musclewire.extras.paper import _reproduce as reproduce_room
-from musclewire.extras.paper._reproduce import PaperCheck, all_checks, reproduction
+from musclewire.extras.paper._reproduce import reproduction
 from musclewire.extras.paper._reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 
 INSTALL = "not installed: pip install ./packages/design in the checkout"

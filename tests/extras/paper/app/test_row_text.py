@@ -7,20 +7,14 @@ import re
 import pytest
 
 from musclewire.errors import RecordingError
+from musclewire.extras.paper import PaperCheck, ReproductionRow, SeedResult, all_checks, row_of_check
 from musclewire.extras.paper._page.paper_figures import FIGURES, drawn
 from musclewire.extras.paper._page.paper_page import contents, row_name, row_words
 from musclewire.extras.paper._page.row_text import (
     limit_text,
     paper_text,
 )
-from musclewire.extras.paper._reproduce import (
-    PaperCheck,
-    ReproductionRow,
-    RunCache,
-    SeedResult,
-    all_checks,
-    row_of_check,
-)
+from musclewire.extras.paper._reproduce import RunCache
 from musclewire.extras.paper._reproduce.paper_checks import Compare, Kind, subject_of
 
 

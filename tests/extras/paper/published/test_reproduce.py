@@ -15,9 +15,8 @@ import pytest
 from tests.published.page_parts import Outside
 from tests.tools import require_package
 
-from musclewire.extras.paper import known_failures
+from musclewire.extras.paper import DEFAULT_SEEDS, all_checks, known_failures
 from musclewire.extras.paper._page.paper_figures import FIGURES
-from musclewire.extras.paper._reproduce import DEFAULT_SEEDS, all_checks
 
 # The whole table takes minutes; one row of each kind is in tests of the command.
 pytestmark = pytest.mark.full

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.extras.paper import known_failures
-from musclewire.extras.paper._reproduce import PaperCheck, RunCache, SeedResult, all_checks, measured, selected
+from musclewire.extras.paper import PaperCheck, SeedResult, all_checks, known_failures, selected
+from musclewire.extras.paper._reproduce import RunCache, measured
 from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
 from musclewire.parameters import read_published
 

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.extras.paper import SeedCallbacks, SeedResult, all_checks, numbers_of_seeds
-from musclewire.extras.paper._reproduce import PaperCheck, RunCache, reproduce, reproduction, selected
+from musclewire.extras.paper import PaperCheck, SeedCallbacks, SeedResult, all_checks, numbers_of_seeds, selected
+from musclewire.extras.paper._reproduce import RunCache, reproduce, reproduction
 
 SEEDS = (3, 1, 4, 8)
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
-from musclewire.extras.paper import ReproductionRow
-from musclewire.extras.paper._reproduce import PaperCheck, SeedResult, counts_by_origin, row_of_check
+from musclewire.extras.paper import PaperCheck, ReproductionRow, SeedResult, row_of_check
+from musclewire.extras.paper._reproduce import counts_by_origin
 from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
 from musclewire.extras.paper._reproduce.verdicts import median_interval, spread_of
 

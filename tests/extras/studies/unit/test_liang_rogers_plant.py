@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.places import EXAMPLES
 
-from musclewire.extras.studies._segmented import Conditions
+from musclewire.extras.studies import Conditions
 from musclewire.parameters import load_catalogue
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive

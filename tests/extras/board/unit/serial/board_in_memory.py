@@ -12,10 +12,17 @@ from math import nan
 from typing import Any
 
 from musclewire.controllers import Event
-from musclewire.extras.board import Board, FrameParser, SerialConfiguration, SerialDevice, SerialFrame, encode_frame
+from musclewire.extras.board import (
+    Board,
+    FrameParser,
+    MessageKind,
+    SerialConfiguration,
+    SerialDevice,
+    SerialFrame,
+    encode_frame,
+)
 from musclewire.extras.board._serial.line import LineLostError
 from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
-from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import GuardedRig
 
 WIRE_OHM, SHUNT_OHM = 15.0, 1.0

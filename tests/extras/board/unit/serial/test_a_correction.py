@@ -12,8 +12,7 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, rig_on
 from musclewire.controllers import staircase
 from musclewire.errors import RigError
 from musclewire.experiment import control_on_board
-from musclewire.extras.board import SerialDevice
-from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.extras.board import MessageKind, SerialDevice
 from musclewire.rigs import GuardedRig, HasOnBoardLoop, ability
 from musclewire.sensing import Correction, load_model
 

@@ -10,9 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
-from musclewire.extras.board import FrameParser, SerialFrame, encode_frame, read_message
-from musclewire.extras.board._serial.frames import MAXIMUM_BODY_BYTES, stuff, unstuff
-from musclewire.extras.board._serial.messages import BoardIdentity, MessageKind
+from musclewire.extras.board import (
+    MAXIMUM_BODY_BYTES,
+    FrameParser,
+    MessageKind,
+    SerialFrame,
+    encode_frame,
+    read_message,
+)
+from musclewire.extras.board._serial.frames import stuff, unstuff
+from musclewire.extras.board._serial.messages import BoardIdentity
 
 FRAMES = st.builds(SerialFrame, st.integers(0, 255), st.integers(0, 65535), st.binary(max_size=MAXIMUM_BODY_BYTES - 8))
 

@@ -7,8 +7,7 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, config
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board import Board, SerialDevice, SerialFrame
-from musclewire.extras.board._serial.messages import MessageKind
+from musclewire.extras.board import Board, MessageKind, SerialDevice, SerialFrame
 from musclewire.rigs import ProtectionTripError
 
 NO_SUCH_COMMAND = 2

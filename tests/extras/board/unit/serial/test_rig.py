@@ -10,11 +10,10 @@ from tests.extras.board.unit.serial.board_in_memory import BoardInMemory, driven
 
 from musclewire.controllers import Event
 from musclewire.errors import CallerError, RigError
-from musclewire.extras.board import Board, SerialDevice, SerialFrame, encode_frame
+from musclewire.extras.board import Board, MessageKind, SerialDevice, SerialFrame, encode_frame
 from musclewire.extras.board._serial.board import BoardOffMeanwhileError, LinkStormError
 from musclewire.extras.board._serial.device import NO_TICK
 from musclewire.extras.board._serial.frames import stuff
-from musclewire.extras.board._serial.messages import MessageKind
 from musclewire.rigs import GuardedRig, ProtectionTripError
 from musclewire.signals import Target
 
