@@ -30,21 +30,11 @@ ALPHA_STRONGEST = 2.0
 
 
 class FuzzyRatios(NamedTuple):
-    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range.
+    """K_p', K_I' and K_D' of Eq. 6: the place of each gain in its range."""
 
-    Parameters
-    ----------
-    kp
-        Of the proportional gain, 0 (minimum) to 1 (maximum).
-    ki
-        Of the integral gain, 0 to 1.
-    kd
-        Of the derivative gain, 0 to 1.
-    """
-
-    kp: float
-    ki: float
-    kd: float
+    kp: float  # of the proportional gain, 0 (minimum) to 1 (maximum)
+    ki: float  # of the integral gain, 0 to 1
+    kd: float  # of the derivative gain, 0 to 1
 
 
 class RatioSurface(NamedTuple):

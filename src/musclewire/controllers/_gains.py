@@ -37,18 +37,10 @@ def controller_of(settings: Any) -> str:
 
 @dataclass(frozen=True)
 class Gains:
-    """The gains of a wire: a controller and its settings.
+    """The gains of a wire: a controller and its settings."""
 
-    Parameters
-    ----------
-    controller
-        Name of the controller: "inverse-model" or "fuzzy-pid".
-    settings
-        Its settings; those of the fuzzy PID name their rule base.
-    """
-
-    controller: str
-    settings: FeedforwardSettings | FuzzyPidSettings
+    controller: str  # name of the controller: "inverse-model" or "fuzzy-pid"
+    settings: FeedforwardSettings | FuzzyPidSettings  # its settings; those of the fuzzy PID name their rule base
 
     @classmethod
     def read(cls, kept: Mapping[str, Any], place: str) -> Gains:

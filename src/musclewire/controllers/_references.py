@@ -75,23 +75,12 @@ class Step:
 class Staircase(HeldTargets):
     """Levels held for the same time each, from time zero on.
 
-    Before time zero the target is the first level, after the end the last.
-
-    Parameters
-    ----------
-    levels
-        Targets: strain as a fraction, displacement [m] or force [N].
-    hold_s
-        Duration of each [s].
-
-    Raises
-    ------
-    CallerError
-        For no level, a level that is not finite, or a hold time that is not above zero.
+    Before time zero the target is the first level, after the end the last. Raises CallerError for no level, a level
+    that is not finite, or a hold time that is not above zero.
     """
 
-    levels: tuple[float, ...]
-    hold_s: float
+    levels: tuple[float, ...]  # targets: strain as a fraction, displacement [m] or force [N]
+    hold_s: float  # duration of each
 
     def __post_init__(self) -> None:
         """Keep the levels as plain numbers and check them."""
@@ -125,17 +114,10 @@ class SampledReference(HeldTargets):
     """A target given at certain times and held until the next (zero-order hold).
 
     Before the first time the target is the first value, after the last time the last.
-
-    Parameters
-    ----------
-    time_s
-        Rising times [s], shape (n,).
-    target
-        The target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N].
     """
 
-    time_s: FloatArray
-    target: FloatArray
+    time_s: FloatArray  # rising times, shape (n,)
+    target: FloatArray  # the target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N]
 
     def __post_init__(self) -> None:
         """Keep the columns as plain numbers, too."""

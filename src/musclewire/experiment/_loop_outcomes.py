@@ -50,15 +50,9 @@ class StepSpread(NamedTuple):
 
 @dataclass(frozen=True)
 class ManyControlRuns:
-    """The outcomes of many closed loops, in the order of their seeds.
+    """The outcomes of many closed loops, in the order of their seeds."""
 
-    Parameters
-    ----------
-    outcomes
-        One for each loop.
-    """
-
-    outcomes: tuple[LoopOutcome, ...]
+    outcomes: tuple[LoopOutcome, ...]  # one for each loop
 
     @property
     def metrics(self) -> tuple[ControlMetrics, ...]:

@@ -24,24 +24,12 @@ MIN_RISE_NOISES = 10.0
 
 @dataclass(frozen=True, eq=False)
 class TendonZero:
-    """Where the tendon of a finger begins to pull, with the readings that show it.
+    """Where the tendon of a finger begins to pull, with the readings that show it."""
 
-    Parameters
-    ----------
-    slack_m
-        Setting of the finger's stage at which it begins [m], in the stage's own reading.
-    tendon_stiffness_n_per_m
-        Slope of the force beyond it [N/m].
-    positions_m
-        Settings that were tried [m], (n_positions,).
-    force_n
-        Readings of the load cell there [N], (n_positions,).
-    """
-
-    slack_m: float
-    tendon_stiffness_n_per_m: float
-    positions_m: FloatArray
-    force_n: FloatArray
+    slack_m: float  # setting of the finger's stage at which it begins, in the stage's own reading
+    tendon_stiffness_n_per_m: float  # slope of the force beyond it
+    positions_m: FloatArray  # settings that were tried, (n_positions,)
+    force_n: FloatArray  # readings of the load cell there, (n_positions,)
 
 
 def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:

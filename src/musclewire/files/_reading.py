@@ -100,22 +100,7 @@ def read_hdf5(path: str | Path) -> Recording:
 
 
 def has_headers(path: str | Path) -> bool:
-    """Return whether a file names its columns.
-
-    Parameters
-    ----------
-    path
-        The file.
-
-    Returns
-    -------
-    False if its first line is numbers.
-
-    Raises
-    ------
-    RecordingError
-        If it cannot be read.
-    """
+    """Return whether a file's first line names columns. Raises RecordingError if it cannot be read."""
     headers = tuple(column.header for column in _table(Path(path), None).columns)
     return headers != numbered_headers(len(headers))
 

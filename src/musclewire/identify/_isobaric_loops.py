@@ -19,21 +19,11 @@ FRACTIONS = (0.1, 0.5, 0.9)
 
 
 class IsobaricLoop(NamedTuple):
-    """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress.
-
-    Parameters
-    ----------
-    stress_pa
-        The stress [Pa].
-    temperature_k
-        Temperatures [K], (n,).
-    strain
-        Strain at each, contraction positive, (n,).
-    """
+    """One loop, cold to hot to cold: temperatures and strains, each (n,), under one stress."""
 
     stress_pa: float
-    temperature_k: FloatArray
-    strain: FloatArray
+    temperature_k: FloatArray  # temperatures, (n,)
+    strain: FloatArray  # strain at each, contraction positive, (n,)
 
 
 class IsobarSummary(NamedTuple):

@@ -24,28 +24,15 @@ INNER = 0.3
 
 @dataclass(frozen=True)
 class LoopGaps:
-    """Gaps of one loop as fractions of the largest value of the quantity (Eqs. 2 and 9).
+    """Gaps of one loop as fractions of the largest value of the quantity (Eqs. 2 and 9)."""
 
-    Parameters
-    ----------
-    segments
-        Points A, B and C of the loop.
-    strain_gap
-        Gap of strain.
-    force_gap
-        Gap of force; None if the recording has no load cell, or the load no spring: then the contraction force is that
-        of friction and noise, and there is nothing to compare the gap with.
-    displacement_gap
-        Gap of displacement; None if the recording has no displacement.
-    no_force_gap
-        Why there is no gap of force; "" if there is one.
-    """
-
-    segments: LoopSegments
+    segments: LoopSegments  # points A, B and C of the loop
     strain_gap: float
+    # Gap of force; None if the recording has no load cell, or the load no spring: then the contraction force is that of
+    # friction and noise, and there is nothing to compare the gap with.
     force_gap: float | None
-    displacement_gap: float | None
-    no_force_gap: str = ""
+    displacement_gap: float | None  # gap of displacement; None if the recording has no displacement
+    no_force_gap: str = ""  # why there is no gap of force; "" if there is one
 
 
 def loop_gaps(recording: Recording, *, cycle: int | str = "last") -> LoopGaps:

@@ -54,24 +54,12 @@ class StabilityMargins(NamedTuple):
 
 @dataclass(frozen=True)
 class Tuning:
-    """The gains of a wire, found from its slow loop by a rule.
+    """The gains of a wire, found from its slow loop by a rule."""
 
-    Parameters
-    ----------
-    controller
-        Name of the controller: "inverse-model" or "fuzzy-pid".
-    settings
-        Its settings, for ``control(..., controller=..., settings=...)``.
-    plant
-        The identified plant: branches, time constants and heat, with the gains of SIMC.
-    margins
-        Gain margin, phase margin [rad] and delay margin [s] of the PI that SIMC gives.
-    """
-
-    controller: str
-    settings: FeedforwardSettings | FuzzyPidSettings
-    plant: FeedforwardSettings
-    margins: StabilityMargins
+    controller: str  # name of the controller: "inverse-model" or "fuzzy-pid"
+    settings: FeedforwardSettings | FuzzyPidSettings  # its settings, for ``control(..., controller=..., settings=...)``
+    plant: FeedforwardSettings  # the identified plant: branches, time constants and heat, with the gains of SIMC
+    margins: StabilityMargins  # gain margin, phase margin [rad] and delay margin [s] of the PI that SIMC gives
 
     @property
     def gains(self) -> Gains:
@@ -79,53 +67,15 @@ class Tuning:
         return Gains(self.controller, self.settings)
 
     def kept_in(self, model: SensingModel) -> SensingModel:
-        """Return a model with these gains: those that a loop with it takes by default.
-
-        Parameters
-        ----------
-        model
-            The model that they were found for.
-
-        Returns
-        -------
-        The model, otherwise as it was.
-        """
+        """Return a model with these gains: those that a loop with it takes by default."""
         return replace(model, gains=self.gains.table(), no_gains="")
 
     def save(self, path: str | Path) -> None:
-        """Write a gains file (TOML).
-
-        Parameters
-        ----------
-        path
-            File to write; one that exists is replaced.
-
-        Raises
-        ------
-        CallerError
-            If the file cannot be written there.
-        """
+        """Write a gains file (TOML) in place of one that exists. Raises CallerError if it cannot be written there."""
         save_gains(self.gains, path, tuple(str(self).splitlines()))
 
     def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
-        """Draw the steady power of both branches, and the margins of the feedback in the title.
-
-        Parameters
-        ----------
-        axes
-            Axes to draw on; those of a new figure by default.
-        style
-            Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
-
-        Returns
-        -------
-        The axes; ``found.plot().figure.savefig("gains.pdf")`` writes their figure.
-
-        Raises
-        ------
-        CallerError
-            For an unknown style; the message suggests the nearest.
-        """
+        """Draw the steady power of both branches, and the margins in the title; style as in ``Recording.plot``."""
         from musclewire.figures import axes_to_draw_on
         from musclewire.pages import COOLING, HEATING
 

@@ -201,22 +201,14 @@ NO_CELLS = np.zeros((1, 1, 4))
 class WireConstants(Row):
     """Everything that does not change while a wire runs, built by ``wire._building``.
 
-    Parameters
-    ----------
-    numbers
-        The plain numbers of the row in the order of its fields, one-dimensional.
-    layout
-        Their layout in memory: ``WireConstants.layout(classes)``.
-    load_table_n
-        Force of the load in addition to pretension and spring, and friction in addition to the guide's [N],
-        (2, n_points), at displacements of 0, 1, 2... times ``load_step_m``; by default neither. It is not in the row,
-        as its length differs from load to load.
-    distribution_cells
-        Distribution of the grains' thresholds, (classes, n_cells, 4), or (1, n_cells, 4) if all classes have the same:
-        the coefficients of a cubic in each cell. It is not in the row either; many wires share one.
+    Its plain numbers are one row, in the order of its fields; the two tables are not in it: the load's length differs
+    from load to load, and many wires share one distribution.
     """
 
+    # Force of the load in addition to pretension and spring, and friction in addition to the guide's, (2, n_points), at
+    # displacements of 0, 1, 2... times ``load_step_m``.
     load_table_n: FloatArray
+    # Coefficients of a cubic in each cell of the grains' thresholds, (classes, n_cells, 4), or (1, n_cells, 4) for all.
     distribution_cells: FloatArray
 
     wire_length_m: float = field("m", "cold length under pretension")

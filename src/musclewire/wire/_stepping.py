@@ -51,23 +51,12 @@ class StepControl(NamedTuple):
 
     By default steps are chosen: a sample is one step, and is split where the estimated error of a step in temperature,
     resistance or strain would be above its tolerance. The defaults keep each of them below what instruments show.
-
-    Parameters
-    ----------
-    fixed_s
-        Length of every step [s]; 0 for chosen steps.
-    temperature_k
-        Tolerance of temperature [K].
-    resistance
-        Tolerance of resistance, as a fraction of it.
-    strain
-        Tolerance of strain, as a fraction.
     """
 
-    fixed_s: float = 0.0
-    temperature_k: float = 5e-3
-    resistance: float = 3e-5
-    strain: float = 1e-5
+    fixed_s: float = 0.0  # length of every step; 0 for chosen steps
+    temperature_k: float = 5e-3  # tolerance of temperature
+    resistance: float = 3e-5  # tolerance of resistance, as a fraction of it
+    strain: float = 1e-5  # tolerance of strain, as a fraction
 
 
 def fixed_steps(step_s: float) -> StepControl:

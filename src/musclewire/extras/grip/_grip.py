@@ -139,39 +139,18 @@ class GripPolicy:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GripRun(Recording):
-    """A recording of a grip with its results; forces in newtons between endpoint and object.
+    """A recording of a grip with its results; forces in newtons between endpoint and object."""
 
-    Parameters
-    ----------
-    contact_s
-        Time of contact from the start of closing [s]; None without contact.
-    true_force_at_contact_n
-        The instrument's force at contact [N]; None without an instrument.
-    opening_m
-        Opening of the fingers at contact, the size of the object [m]; None without contact.
-    stiffness_n_per_m
-        Stiffness of the object that the force was computed with [N/m].
-    held
-        Whether the force was reached and held.
-    target_n
-        The force that was asked for [N].
-    estimated_force_n
-        Estimated force, mean over the end of the hold [N].
-    true_force_n
-        The instrument's force, mean over the end of the hold [N]; None without an instrument.
-    most_force_n
-        Force on a rigid object at this resistance, mean over the end of the hold [N].
-    """
-
-    contact_s: float | None = None
-    true_force_at_contact_n: float | None = None
-    opening_m: float | None = None
-    stiffness_n_per_m: float | None = None
-    held: bool = False
-    target_n: float = TARGET_N
-    estimated_force_n: float | None = None
+    contact_s: float | None = None  # time of contact from the start of closing; None without contact
+    true_force_at_contact_n: float | None = None  # the instrument's force at contact; None without an instrument
+    opening_m: float | None = None  # opening of the fingers at contact, the size of the object; None without contact
+    stiffness_n_per_m: float | None = None  # stiffness of the object that the force was computed with
+    held: bool = False  # whether the force was reached and held
+    target_n: float = TARGET_N  # the force that was asked for
+    estimated_force_n: float | None = None  # estimated force, mean over the end of the hold
+    # The instrument's force, mean over the end of the hold; None without an instrument.
     true_force_n: float | None = None
-    most_force_n: float | None = None
+    most_force_n: float | None = None  # force on a rigid object at this resistance, mean over the end of the hold
 
 
 def grip(

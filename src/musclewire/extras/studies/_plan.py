@@ -31,30 +31,14 @@ RUN = "run."
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A study, checked completely, and all its runs.
+    """A study, checked completely, and all its runs."""
 
-    Parameters
-    ----------
-    file
-        The study's file.
-    rig
-        The rig, with the names of what varies on it.
-    kind
-        The kind of run.
-    options
-        What is run, before any of it varies.
-    keep
-        The quantities that are kept, by name.
-    design
-        The values of all runs.
-    """
-
-    file: StudyFile
-    rig: VariedRig
-    kind: RunKind[Any]
-    options: KindOptions
-    keep: Mapping[str, Quantity]
-    design: StudyDesign
+    file: StudyFile  # the study's file
+    rig: VariedRig  # the rig, with the names of what varies on it
+    kind: RunKind[Any]  # the kind of run
+    options: KindOptions  # what is run, before any of it varies
+    keep: Mapping[str, Quantity]  # the quantities that are kept, by name
+    design: StudyDesign  # the values of all runs
 
     @cached_property
     def fingerprint(self) -> str:

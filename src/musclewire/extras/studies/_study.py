@@ -43,29 +43,17 @@ class Workers:
 
 @dataclass(frozen=True, eq=False)
 class StudyResult:
-    """All runs of a study.
+    """All runs of a study."""
 
-    Parameters
-    ----------
-    plan
-        The study.
-    columns
-        Each kept quantity over the runs, (n_runs,), or (n_runs, n_samples) for a series; NaN for runs that failed.
-    errors
-        The message of each run's error, "" for a run that went well, (n_runs,).
-    evaluated
-        Runs that were evaluated now; all others were finished before.
-    texts
-        Each kept quantity that is a text, over the runs.
-    overheated
-        Runs whose wires went beyond the highest temperature that their protection allows: number, temperature, limit.
-    """
-
-    plan: Plan = field(repr=False)
+    plan: Plan = field(repr=False)  # the study
+    # Each kept quantity over the runs, (n_runs,), or (n_runs, n_samples) for a series; NaN for runs that failed.
     columns: Mapping[str, FloatArray] = field(repr=False)
+    # The message of each run's error, "" for a run that went well, (n_runs,).
     errors: tuple[str, ...] = field(repr=False)
-    evaluated: int = 0
+    evaluated: int = 0  # runs that were evaluated now; all others were finished before
+    # Each kept quantity that is a text, over the runs.
     texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict, repr=False)
+    # Runs whose wires went beyond the highest temperature that their protection allows: number, temperature, limit.
     overheated: tuple[Overheated, ...] = field(default=(), repr=False)
 
     @property

@@ -57,38 +57,22 @@ SHAPE_STD_K = 1.5  # [K] of the shift by comparing two curves; chosen: a larger 
 
 @dataclass(frozen=True)
 class Homing:
-    """What a home move found, and the model that follows.
+    """What a home move found, and the model that follows."""
 
-    Parameters
-    ----------
-    model
-        The model of today; the same curve if nothing was corrected.
-    home
-        What was found; it is also in the model.
-    resistance_max_moved_ohm, resistance_max_moved_std_ohm
-        Change of the resistance at B [ohm] since the model was made, and its standard deviation [ohm].
-    resistance_min_moved_ohm, resistance_min_moved_std_ohm
-        The same at C [ohm].
-    warming_moved_k
-        By how much warmer than before the wire transforms, judged by its power [K]: by the transformation temperatures,
-        the load, the loss to the air and, without a thermometer, the air's temperature together.
-    misfit_ohm
-        Root mean square of what the corrected curve leaves of the sweep [ohm].
-    seen
-        Which points the sweep shows.
-    notes
-        What was not seen, what cannot be separated, and why nothing was corrected, a sentence each.
-    """
-
-    model: SensingModel
-    home: HomeMove
+    model: SensingModel  # the model of today; the same curve if nothing was corrected
+    home: HomeMove  # what was found; it is also in the model
+    # Change of the resistance at B [ohm] since the model was made, and its standard deviation [ohm].
     resistance_max_moved_ohm: float
     resistance_max_moved_std_ohm: float
+    # The same at C [ohm].
     resistance_min_moved_ohm: float
     resistance_min_moved_std_ohm: float
+    # By how much warmer than before the wire transforms, judged by its power: by the transformation temperatures, the
+    # load, the loss to the air and, without a thermometer, the air's temperature together.
     warming_moved_k: float
-    misfit_ohm: float
-    seen: SeenPoints
+    misfit_ohm: float  # root mean square of what the corrected curve leaves of the sweep
+    seen: SeenPoints  # which points the sweep shows
+    # What was not seen, what cannot be separated, and why nothing was corrected, a sentence each.
     notes: tuple[str, ...]
 
 

@@ -185,29 +185,15 @@ class TooFast(NamedTuple):
 
 @dataclass(frozen=True)
 class SpeedLimits:
-    """Where a reference is too fast for a wire, which amplitude is possible, and what would help.
+    """Where a reference is too fast for a wire, which amplitude is possible, and what would help."""
 
-    Parameters
-    ----------
-    quantity
-        "strain", "displacement" or "force": the unit of all amplitudes.
-    findings
-        The stretches that the wire cannot follow, in their order; none for a reference that it can.
-    asked_amplitude
-        Half the distance from the lowest to the highest target, in the quantity's SI unit.
-    possible_amplitude
-        The same of the way on which the wire can follow at best.
-    help
-        What each single change would have to be, so that the wire follows.
-    supply
-        The step of a staircase that the supply makes latest, if the run begins from cold; None if it suffices.
-    """
-
-    quantity: str
+    quantity: str  # "strain", "displacement" or "force": the unit of all amplitudes
+    # The stretches that the wire cannot follow, in their order; none for a reference that it can.
     findings: tuple[TooFast, ...]
-    asked_amplitude: float
-    possible_amplitude: float
-    help: SufficientChanges
+    asked_amplitude: float  # half the distance from the lowest to the highest target, in the quantity's SI unit
+    possible_amplitude: float  # the same of the way on which the wire can follow at best
+    help: SufficientChanges  # what each single change would have to be, so that the wire follows
+    # The step of a staircase that the supply makes latest, if the run begins from cold; None if it suffices.
     supply: WeakSupply | None = None
 
     @property

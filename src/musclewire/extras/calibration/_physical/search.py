@@ -92,33 +92,15 @@ def read_journal(path: Path, fingerprint: str) -> list[list[float]]:
 class SearchSettings:
     """Effort of a search; the defaults suit a wire with some thirty unknowns.
 
-    Parameters
-    ----------
-    seed
-        Seed of the starting points.
-    starts
-        Number of descents from points of the prior, one or more.
-    jumps
-        Number of descents from points near the best one.
-    evaluations_each
-        Evaluations of each of these descents.
-    evaluations_last
-        Evaluations of the last descent, from the best point.
-    threads
-        Number of threads; None for as many as there are processor cores.
-
-    Raises
-    ------
-    CallerError
-        For an impossible seed, and for a search without starts, evaluations or threads.
+    Raises CallerError for an impossible seed, and for a search without starts, evaluations or threads.
     """
 
-    seed: int = 1
-    starts: int = 4
-    jumps: int = 5
-    evaluations_each: int = 12
-    evaluations_last: int = 12
-    threads: int | None = None
+    seed: int = 1  # seed of the starting points
+    starts: int = 4  # number of descents from points of the prior, one or more
+    jumps: int = 5  # number of descents from points near the best one
+    evaluations_each: int = 12  # evaluations of each of these descents
+    evaluations_last: int = 12  # evaluations of the last descent, from the best point
+    threads: int | None = None  # number of threads; None for as many as there are processor cores
 
     def __post_init__(self) -> None:
         """Raise CallerError for an impossible seed, and for a search without starts, evaluations or threads."""

@@ -91,29 +91,16 @@ FAR = 3.0
 
 @dataclass(frozen=True)
 class ResistanceFit:
-    """A model from resistance alone, how far it may be off, and what would make it better.
+    """A model from resistance alone, how far it may be off, and what would make it better."""
 
-    Parameters
-    ----------
-    model
-        The model. Its ``scale_std`` and ``offset_std`` are in the standard deviation of every estimate.
-    stroke
-        The model's largest quantity, strain or displacement [m].
-    stroke_std
-        Its standard deviation, in the same unit.
-    misfit
-        Root mean square of the resistance's residuals over their uncertainty; 1 if the named wire can be this one.
-    costs
-        What each stated number costs, the dearest first.
-    helps
-        Measurements by the standard deviation of the stroke after them, the best first.
-    """
-
+    # The model. Its ``scale_std`` and ``offset_std`` are in the standard deviation of every estimate.
     model: SensingModel
-    stroke: float
-    stroke_std: float
+    stroke: float  # the model's largest quantity, strain or displacement [m]
+    stroke_std: float  # its standard deviation, in the same unit
+    # Root mean square of the resistance's residuals over their uncertainty; 1 if the named wire can be this one.
     misfit: float
-    costs: tuple[StrokeShare, ...]
+    costs: tuple[StrokeShare, ...]  # what each stated number costs, the dearest first
+    # Measurements by the standard deviation of the stroke after them, the best first.
     helps: tuple[BetterMeasurement, ...]
 
     def __str__(self) -> str:

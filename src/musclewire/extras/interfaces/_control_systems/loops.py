@@ -16,31 +16,18 @@ from musclewire.sensing import SensingModel
 
 @dataclass(frozen=True)
 class LoopMargins:
-    """How far a loop is from the limit of stability.
+    """How far a loop is from the limit of stability."""
 
-    Parameters
-    ----------
-    stable
-        Whether all closed-loop poles are inside the unit circle.
-    slowest_s
-        Time constant of the slowest closed-loop pole [s]; below 0 for the fastest growth of a loop that is not stable,
-        None if nothing is fed back.
-    gain_margin
-        Factor on the loop's gain at which it begins to oscillate; None if there is none, or the loop is not stable.
-    phase_margin_deg
-        Phase [deg] that may be lost at the crossover; None without a crossover, or if the loop is not stable.
-    delay_margin_s
-        Delay [s] that this phase is at the crossover; None as the phase margin.
-    crossover_hz
-        Frequency at which the loop's gain is 1 [Hz]; None as the phase margin.
-    """
-
-    stable: bool
+    stable: bool  # whether all closed-loop poles are inside the unit circle
+    # Time constant of the slowest closed-loop pole; below 0 for the fastest growth of a loop that is not stable, None
+    # if nothing is fed back.
     slowest_s: float | None
+    # Factor on the loop's gain at which it begins to oscillate; None if there is none, or the loop is not stable.
     gain_margin: float | None = None
+    # Phase that may be lost at the crossover; None without a crossover, or if the loop is not stable.
     phase_margin_deg: float | None = None
-    delay_margin_s: float | None = None
-    crossover_hz: float | None = None
+    delay_margin_s: float | None = None  # delay that this phase is at the crossover; None as the phase margin
+    crossover_hz: float | None = None  # frequency at which the loop's gain is 1; None as the phase margin
 
 
 def sampled_system(linear: LinearWire, period_s: float, model: SensingModel | None = None) -> Any:

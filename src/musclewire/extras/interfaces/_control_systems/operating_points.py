@@ -26,27 +26,13 @@ ENTHALPY_TOLERANCE = 1e-13
 
 @dataclass(frozen=True)
 class OperatingPoint:
-    """A wire at rest at a constant drive voltage: heat in equals heat out, and the load is balanced.
+    """A wire at rest at a constant drive voltage: heat in equals heat out, and the load is balanced."""
 
-    Parameters
-    ----------
-    wire
-        The wire on its load and in its circuit.
-    state
-        The simulated wire there, with the memory of how it came.
-    start
-        The simulated wire at the beginning of its branch: cold at rest, or hot at the maximum voltage.
-    drive_voltage_v
-        The drive that holds it there [V].
-    branch
-        How it was reached: "heating" from cold, or "cooling" from the maximum voltage.
-    """
-
-    wire: SimulatedWire
-    state: WireState
-    start: WireState
-    drive_voltage_v: float
-    branch: Branch
+    wire: SimulatedWire  # the wire on its load and in its circuit
+    state: WireState  # the simulated wire there, with the memory of how it came
+    start: WireState  # the simulated wire at the beginning of its branch: cold at rest, or hot at the maximum voltage
+    drive_voltage_v: float  # the drive that holds it there
+    branch: Branch  # how it was reached: "heating" from cold, or "cooling" from the maximum voltage
 
     @property
     def displacement_m(self) -> float:

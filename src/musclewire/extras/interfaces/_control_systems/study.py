@@ -39,21 +39,12 @@ class LinearisedLoop:
 
 @dataclass(frozen=True)
 class Linearisation:
-    """A wire at one displacement, reached by heating and by cooling, each linearised onward and back.
+    """A wire at one displacement, reached by heating and by cooling, each linearised onward and back."""
 
-    Parameters
-    ----------
-    loops
-        The four linear wires with their margins: heating branch and its minor loop, then cooling.
-    settings
-        The plain PID of the loops.
-    model
-        Model by which the loops sense strain; None if they are closed on the strain itself.
-    """
-
+    # The four linear wires with their margins: heating branch and its minor loop, then cooling.
     loops: tuple[LinearisedLoop, ...]
-    settings: PidSettings
-    model: SensingModel | None
+    settings: PidSettings  # the plain PID of the loops
+    model: SensingModel | None  # model by which the loops sense strain; None if they are closed on the strain itself
 
     @property
     def points(self) -> tuple[OperatingPoint, OperatingPoint]:

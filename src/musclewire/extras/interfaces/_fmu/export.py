@@ -137,36 +137,16 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,62}")
 
 
 class Fmu(NamedTuple):
-    """An FMU that was written.
+    """An FMU that was written."""
 
-    Parameters
-    ----------
-    path
-        The file.
-    kind
-        "wire" or "controller".
-    step_s
-        Communication step [s] that importing tools take by default: the rig's sample period.
-    variables
-        Inputs, outputs and parameters in the order of their value references.
-    files
-        Every file of the archive by its path in it.
-    platform
-        Folder of the binary, as ``linux64``; empty if the FMU has sources only.
-    compiler
-        The compiler of the binary; empty if the FMU has sources only.
-    left_out
-        What the rig or model has and the FMU has not, one line each.
-    """
-
-    path: Path
-    kind: str
-    step_s: float
-    variables: FmuVariables
-    files: tuple[str, ...]
-    platform: str
-    compiler: str
-    left_out: tuple[str, ...]
+    path: Path  # the file
+    kind: str  # "wire" or "controller"
+    step_s: float  # communication step that importing tools take by default: the rig's sample period
+    variables: FmuVariables  # inputs, outputs and parameters in the order of their value references
+    files: tuple[str, ...]  # every file of the archive by its path in it
+    platform: str  # folder of the binary, as ``linux64``; empty if the FMU has sources only
+    compiler: str  # the compiler of the binary; empty if the FMU has sources only
+    left_out: tuple[str, ...]  # what the rig or model has and the FMU has not, one line each
 
     def names(self, role: Role) -> list[str]:
         """Return the names of the variables of one role, in the order of their value references."""

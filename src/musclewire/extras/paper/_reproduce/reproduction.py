@@ -107,27 +107,14 @@ DEFAULT_SEEDS = 101
 
 @dataclass(frozen=True)
 class Reproduction:
-    """The selected rows over all seeds.
+    """The selected rows over all seeds."""
 
-    Parameters
-    ----------
-    rows
-        The rows in the order of the paper.
-    runs
-        Recordings of the first seed, from which figures are drawn; what is not there yet is made.
-    seeds
-        The seeds.
-    lacking
-        Rows that are left out because what they are measured by is not installed, each with what is said of that.
-    wall_s
-        Time [s] that it took.
-    """
-
-    rows: tuple[ReproductionRow, ...]
-    runs: RunCache
+    rows: tuple[ReproductionRow, ...]  # the rows in the order of the paper
+    runs: RunCache  # recordings of the first seed, from which figures are drawn; what is not there yet is made
     seeds: tuple[int, ...]
+    # Rows that are left out because what they are measured by is not installed, each with what is said of that.
     lacking: Mapping[str, str]
-    wall_s: float
+    wall_s: float  # time that it took
 
     @property
     def single_seed(self) -> int | None:
