@@ -13,109 +13,85 @@ import numpy as np
 from musclewire.arrays import FloatArray
 from musclewire.compiled import compiled, compiled_inner
 
+_Bytes = np.ndarray[tuple[int], np.dtype[np.uint8]]
+
 _PIECE = 1 << 22  # bytes read together: enough to be fast, and few enough to take little memory
 # Both are exact as floats, so that one multiplication or division gives what ``float()`` gives (53 bits: 15 digits, and
 # the powers of ten of up to 22).
 _MAX_MANTISSA = 10**15
 _MAX_POWER = 22
 _POWERS = 10.0 ** np.arange(_MAX_POWER + 1)
+_PLUS, _MINUS, _ZERO, _NINE, _CAPITAL_E, _SMALL_E, _RETURN, _NEW_LINE = b"+-09Ee\r\n"
 
 
 @compiled_inner
-def digits_at(text: np.ndarray[tuple[int], np.dtype[np.uint8]], place: int, decimal: int) -> tuple[int, int, int]:
-    """Return the digits from a place on as an integer, the power of ten they have, and where they end; -1 for none."""
-    mantissa, seen, power, point = 0, 0, 0, False
-    while place < text.size:
-        sign = text[place]
-        if 48 <= sign <= 57:
-            mantissa = 10 * mantissa + (sign - 48)
-            seen += 1
-            power -= 1 if point else 0
-        elif sign == decimal and not point:
-            point = True
-        else:
-            break
+def digits_at(text: _Bytes, place: int, value: int) -> tuple[int, int]:
+    """Return an integer with the digits from a place on behind its own, and where they end or become too many."""
+    while _ZERO <= text[place] <= _NINE and value < _MAX_MANTISSA:
+        value = 10 * value + (text[place] - _ZERO)
         place += 1
-        if mantissa >= _MAX_MANTISSA:
-            return 0, 0, -1
-    return mantissa, power, place if seen else -1
+    return value, place
 
 
 @compiled_inner
-def number_at(text: np.ndarray[tuple[int], np.dtype[np.uint8]], place: int, decimal: int) -> tuple[float, int]:
+def number_at(text: _Bytes, place: int, decimal: int) -> tuple[float, int]:
     """Return the number from a place on and where it ends, -1 if it is none or has to be looked at."""
-    negative = place < text.size and text[place] == 45  # minus
-    if negative or (place < text.size and text[place] == 43):  # plus
+    negative = text[place] == _MINUS
+    first = place + 1 if negative or text[place] == _PLUS else place
+    mantissa, place = digits_at(text, first, 0)
+    count, power = place - first, 0
+    if text[place] == decimal:
+        mantissa, end = digits_at(text, place + 1, mantissa)
+        power = place + 1 - end
+        count, place = count - power, end
+    if text[place] == _CAPITAL_E or text[place] == _SMALL_E:
         place += 1
-    mantissa, power, place = digits_at(text, place, decimal)
-    if 0 <= place < text.size and (text[place] == 69 or text[place] == 101):  # E, e
-        place += 1
-        down = place < text.size and text[place] == 45
-        if down or (place < text.size and text[place] == 43):
-            place += 1
-        exponent, _, place = digits_at(text, place, -1)
+        down = text[place] == _MINUS
+        first = place + 1 if down or text[place] == _PLUS else place
+        exponent, place = digits_at(text, first, 0)
         power += -exponent if down else exponent
-    if place < 0 or power < -_MAX_POWER or power > _MAX_POWER:
+        count = min(count, place - first)
+    if count < 1 or mantissa >= _MAX_MANTISSA or abs(power) > _MAX_POWER:
         return 0.0, -1
-    value = float(mantissa)
-    value = value / _POWERS[-power] if power < 0 else value * _POWERS[power]
+    value = mantissa / _POWERS[-power] if power < 0 else mantissa * _POWERS[power]
     return -value if negative else value, place
 
 
 @compiled
-def numbers_in(
-    text: np.ndarray[tuple[int], np.dtype[np.uint8]], separator: int, decimal: int, table: FloatArray
-) -> tuple[int, int]:
-    """Fill ``table``, (n_rows, width), up to a line that is not numbers; return how many rows, and where it begins."""
+def numbers_in(text: _Bytes, separator: int, decimal: int, table: FloatArray) -> tuple[int, int]:
+    """Fill ``table``, a row for each line, up to one that is not numbers; return how many, and where that begins."""
     rows, width = table.shape
     place = 0
+    # Every line has its end, at which a number stops at the latest: no place is beyond the text.
     for row in range(rows):
         start = place
         for column in range(width):
             table[row, column], place = number_at(text, place, decimal)
-            if place < 0:
-                return row, start
-            if column < width - 1:
-                if place >= text.size or text[place] != separator:
-                    return row, start
+            is_last = column == width - 1
+            if is_last and place >= 0 and text[place] == _RETURN:
                 place += 1
-        if place < text.size and text[place] == 13:  # carriage return
+            if place < 0 or text[place] != (_NEW_LINE if is_last else separator):
+                return row, start
             place += 1
-        if place >= text.size or text[place] != 10:  # new line
-            return row, start
-        place += 1
     return rows, place
 
 
-class PlainRows:
-    """The rows from a line of a file on, as long as they are plain; ``finished`` says whether that was to its end."""
-
-    def __init__(self, path: Path, first_line: int, separator: str, width: int, decimal: str) -> None:
-        """Take the file, the number of its first row from 1, and how its numbers are written."""
-        self._path, self._first_line, self._width = path, first_line, width
-        self._separator, self._decimal = ord(separator), ord(decimal)
-        self.finished = False
-
-    def __iter__(self) -> Iterator[FloatArray]:
-        """Yield pieces of the table, (n_rows, width)."""
-        with self._path.open("rb") as file:
-            for _ in range(self._first_line - 1):
-                if b"\r" in file.readline().removesuffix(b"\r\n"):
-                    return
-            rest = b""
-            while piece := file.read(_PIECE):
-                whole, newline, rest = (rest + piece).rpartition(b"\n")
-                table, is_plain = self._numbers(whole + newline)
-                if len(table):
-                    yield table
-                if not is_plain:
-                    return
-            # A last line without its end may be cut off: it is looked at.
-            self.finished = not rest
-
-    def _numbers(self, piece: bytes) -> tuple[FloatArray, bool]:
-        """Return the plain rows at the beginning of whole lines, and whether these are all."""
-        text = np.frombuffer(piece, dtype=np.uint8)
-        table = np.empty((piece.count(b"\n"), self._width))
-        rows, end = numbers_in(text, self._separator, self._decimal, table)
-        return table[:rows], end == text.size
+def plain_rows(
+    path: Path, first_line: int, separator: str, width: int, decimal: str
+) -> Iterator[tuple[FloatArray, bool]]:
+    """Yield pieces of the table, (n_rows, width), from a line of a file on, and whether the file ends with that one."""
+    with path.open("rb") as file:
+        # A carriage return alone ends a line too.
+        if any(b"\r" in file.readline().removesuffix(b"\r\n") for _ in range(first_line - 1)):
+            return
+        rest = b""
+        while piece := file.read(_PIECE):
+            whole, newline, rest = (rest + piece).rpartition(b"\n")
+            text = np.frombuffer(whole + newline, dtype=np.uint8)
+            table = np.empty((np.count_nonzero(text == _NEW_LINE), width))
+            count, end = numbers_in(text, ord(separator), ord(decimal), table)
+            if count:
+                # A last line without its end may be cut off: it is looked at.
+                yield table[:count], end == text.size and not rest and not file.peek(1)
+            if end < text.size:
+                return

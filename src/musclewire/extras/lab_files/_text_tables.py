@@ -68,16 +68,16 @@ class TextTable:
         first_line = self.text_layout.first_line
         if self.plain_path is not None and indices and all(map(self._is_plain, indices)):
             # Here, because compiled code takes half a second to load, which a small file is not worth.
-            from musclewire.extras.lab_files._plain_rows import PlainRows
+            from musclewire.extras.lab_files._plain_rows import plain_rows
 
             style, width = self.text_layout.style, len(self.text_layout.headers)
-            plain_rows = PlainRows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
-            for table in plain_rows:
+            pieces = plain_rows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
+            for table, is_end in pieces:
                 plain = tuple(table[:, self.parts[index][0]] for index in indices)
                 yield RowBlock(plain, self._place(range(first_line, first_line + len(table))), len(table))
                 first_line += len(table)
-            if plain_rows.finished:
-                return
+                if is_end:
+                    return
         below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
         first = next(below, (0, ""))
         count = max(1, min(BLOCK_ROWS, _BLOCK_LENGTH // (len(first[1]) + 1)))
