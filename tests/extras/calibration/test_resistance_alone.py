@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import musclewire as mw
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.experiment import characterize
 from musclewire.extras.calibration import priors_around
-from musclewire.extras.calibration._resistance_alone.fitting import ResistanceFit, fit_resistance
-from musclewire.extras.calibration._resistance_alone.observation import Marks
-from musclewire.extras.calibration._resistance_alone.possible_curves import combined_std
-from musclewire.extras.calibration._resistance_alone.spreads import spreads
 from musclewire.identify import estimate, fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.rigs import GuardedRig, SimulatedDevice, SimulatedSpool
@@ -45,36 +43,32 @@ def loop() -> Recording:
 
 
 @pytest.fixture(scope="module")
-def by_name(loop: Recording) -> ResistanceFit:
-    return fit_resistance(loop, NAME)
+def by_name(loop: Recording) -> Any:
+    return mw.fit_resistance(loop, NAME)
 
 
 @pytest.fixture(scope="module")
-def by_marks(loop: Recording) -> ResistanceFit:
+def by_marks(loop: Recording) -> Any:
     stroke_m = float(loop["displacement_m"].max())
-    return fit_resistance(loop, NAME, marks=Marks(cold_m=2e-3, hot_m=2e-3 + stroke_m, reading_std_m=0.01e-3))
+    return mw.fit_resistance(loop, NAME, marks=mw.Marks(cold_m=2e-3, hot_m=2e-3 + stroke_m, reading_std_m=0.01e-3))
 
 
 def true_stroke(loop: Recording) -> float:
     return float(loop["displacement_m"].max() / loop.metadata["leg_length_m"])
 
 
-def test_the_true_stroke_lies_within_two_stated_deviations(
-    loop: Recording, by_name: ResistanceFit, by_marks: ResistanceFit
-) -> None:
+def test_the_true_stroke_lies_within_two_stated_deviations(loop: Recording, by_name: Any, by_marks: Any) -> None:
     for found in (by_name, by_marks):
         assert abs(found.stroke - true_stroke(loop)) < 2.0 * found.stroke_std
 
 
-def test_marks_bring_the_stroke_to_their_own_error(
-    loop: Recording, by_name: ResistanceFit, by_marks: ResistanceFit
-) -> None:
+def test_marks_bring_the_stroke_to_their_own_error(loop: Recording, by_name: Any, by_marks: Any) -> None:
     """A dial gauge reads 0.5 % of this stroke; the length adds 0.7 %."""
     assert by_marks.stroke == pytest.approx(true_stroke(loop), rel=0.02)
     assert by_marks.stroke_std < 0.3 * by_name.stroke_std
 
 
-def test_both_branches_are_those_of_the_wire(loop: Recording, by_marks: ResistanceFit) -> None:
+def test_both_branches_are_those_of_the_wire(loop: Recording, by_marks: Any) -> None:
     measured = fit(loop)
     low, high = measured.valid_resistance_ohm
     ohm = np.linspace(max(low, by_marks.model.valid_resistance_ohm[0]), high, 50)
@@ -83,26 +77,26 @@ def test_both_branches_are_those_of_the_wire(loop: Recording, by_marks: Resistan
         assert np.sqrt(np.mean(off**2)) < 0.02 * true_stroke(loop)
 
 
-def test_r_max_and_r_min_are_the_measured_ones(loop: Recording, by_name: ResistanceFit) -> None:
+def test_r_max_and_r_min_are_the_measured_ones(loop: Recording, by_name: Any) -> None:
     measured = fit(loop)
     assert by_name.model.resistance_min_ohm == pytest.approx(measured.resistance_min_ohm, abs=0.01)
     assert by_name.model.resistance_max_ohm == pytest.approx(measured.resistance_max_ohm, abs=0.02)
     assert by_name.model.resistance_noise_ohm == pytest.approx(measured.resistance_noise_ohm, rel=1e-9)
 
 
-def test_an_instrument_in_the_recording_does_not_enter(loop: Recording, by_name: ResistanceFit) -> None:
+def test_an_instrument_in_the_recording_does_not_enter(loop: Recording, by_name: Any) -> None:
     wrong = loop.with_columns(displacement_m=-3.0 * loop["displacement_m"], force_n=0.0 * loop["force_n"])
-    assert fit_resistance(wrong, NAME).model.heating_coefficients == by_name.model.heating_coefficients
+    assert mw.fit_resistance(wrong, NAME).model.heating_coefficients == by_name.model.heating_coefficients
 
 
-def test_a_ruler_too_coarse_changes_nothing_and_says_so(loop: Recording, by_name: ResistanceFit) -> None:
-    found = fit_resistance(loop, NAME, marks=Marks(cold_m=0.0, hot_m=4e-3, reading_std_m=1e-3))
+def test_a_ruler_too_coarse_changes_nothing_and_says_so(loop: Recording, by_name: Any) -> None:
+    found = mw.fit_resistance(loop, NAME, marks=mw.Marks(cold_m=0.0, hot_m=4e-3, reading_std_m=1e-3))
     assert found.model.heating_coefficients == by_name.model.heating_coefficients
     assert found.stroke_std == by_name.stroke_std
     assert any("the marks are left out" in text for text in found.model.warnings)
 
 
-def test_what_would_help_says_by_how_much(by_name: ResistanceFit, by_marks: ResistanceFit) -> None:
+def test_what_would_help_says_by_how_much(by_name: Any, by_marks: Any) -> None:
     """The prediction for a dial gauge is made before the marks are read; the length's part it leaves out."""
     gauge = next(item for item in by_name.helps if "dial gauge" in item.what)
     now = by_name.stroke_std / by_name.stroke
@@ -112,9 +106,7 @@ def test_what_would_help_says_by_how_much(by_name: ResistanceFit, by_marks: Resi
     assert by_marks.costs[0].stroke_std == pytest.approx(by_marks.costs[0].relative_std, rel=0.3)
 
 
-def test_every_estimate_carries_the_uncertainty_of_the_whole(
-    loop: Recording, by_name: ResistanceFit, tmp_path: Path
-) -> None:
+def test_every_estimate_carries_the_uncertainty_of_the_whole(loop: Recording, by_name: Any, tmp_path: Path) -> None:
     by_name.model.save(tmp_path / "m.json")
     again = load_model(tmp_path / "m.json")
     assert again == by_name.model
@@ -128,15 +120,15 @@ def test_every_estimate_carries_the_uncertainty_of_the_whole(
 def test_another_wire_is_refused(loop: Recording) -> None:
     other = loop.with_columns(wire_voltage_v=1.6 * loop["wire_voltage_v"])
     with pytest.raises((FitRejectedError, RecordingError), match=r"is not that of paper-100um|resistivity"):
-        fit_resistance(other, NAME)
+        mw.fit_resistance(other, NAME)
 
 
 def test_force_and_a_recording_without_a_length_are_refused_with_what_is_needed(loop: Recording) -> None:
     with pytest.raises(CallerError, match="known stiffness"):
-        fit_resistance(loop, NAME, quantity="force")
+        mw.fit_resistance(loop, NAME, quantity="force")
     unknown = {name: value for name, value in loop.metadata.items() if "length" not in name}
     with pytest.raises(CallerError, match="length is not known"):
-        fit_resistance(Recording(loop.columns, unknown), NAME)
+        mw.fit_resistance(Recording(loop.columns, unknown), NAME)
 
 
 @pytest.mark.parametrize(
@@ -151,13 +143,7 @@ def test_force_and_a_recording_without_a_length_are_refused_with_what_is_needed(
 )
 def test_impossible_marks_are_refused(given: dict[str, float], words: str) -> None:
     with pytest.raises(CallerError, match=words):
-        Marks(**given)
-
-
-def test_two_measurements_of_one_number_combine_by_inverse_variance() -> None:
-    """3-4-5 upside down: 1/9 + 1/16 = 25/144."""
-    assert combined_std(3.0, 4.0) == pytest.approx(12.0 / 5.0)
-    assert combined_std(3.0, 1e9) == pytest.approx(3.0)
+        mw.Marks(**given)
 
 
 def test_the_prior_is_the_named_wire_with_the_spreads_of_a_spool() -> None:
@@ -167,6 +153,5 @@ def test_the_prior_is_the_named_wire_with_the_spreads_of_a_spool() -> None:
     assert found["temperature_shift_k"].std == 5.0
     assert found["resistivity_factor"].std == pytest.approx(0.03)
     assert found["convection_factor"].std == pytest.approx(0.1 * wire.convection_factor.value)
-    assert spreads()["spreads"].keys() <= alloy.values().keys() | wire.values().keys() | bench.values().keys()
     for name, prior in found.items():
         assert prior.mean == {"alloy": alloy, "wire": wire, "bench": bench}[prior.group][name]

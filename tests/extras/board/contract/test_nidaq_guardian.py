@@ -23,7 +23,6 @@ from tests.extras.board.contract.nidaq_rigs import COLD_K, at_seam, wiring_of
 
 from musclewire.controllers import Event
 from musclewire.errors import RigError
-from musclewire.extras.board._nidaq.output import GuardedOutput
 from musclewire.rigs import GuardedRig, ProtectionTripError, open_rig
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="not run: signals as POSIX has them")
@@ -202,13 +201,13 @@ def test_a_card_that_cannot_be_reached_at_the_end_is_an_error_and_not_called_off
 def test_an_answer_left_unread_by_ctrl_c_is_not_taken_for_that_of_the_next_command(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(_output: GuardedOutput) -> float:
+    def interrupted() -> float:
         raise KeyboardInterrupt
 
     with at_seam(name) as rig:
         rig.exchange(rig.sense_voltage_v)
         with monkeypatch.context() as patched:
-            patched.setattr(GuardedOutput, "_answer", interrupted)
+            patched.setattr(rig.device.at_card._output, "_answer", interrupted)
             with pytest.raises(KeyboardInterrupt):
                 rig.device.at_card._output.put_now(DRIVE_V)
         rig.device.at_card._output.put_now(rig.sense_voltage_v)

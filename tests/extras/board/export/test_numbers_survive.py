@@ -20,7 +20,6 @@ from tests.tools import require_tool
 from musclewire.controllers import DriveLimits, FuzzyPidSettings
 from musclewire.errors import CallerError
 from musclewire.extras.board import literal, write_library
-from musclewire.extras.board._c.precision import single_estimates
 
 # A double exactly half-way between two singles, whose shortest text lies to one side of it.
 HALF_WAY = 1.0 + 2.0**-24
@@ -85,17 +84,6 @@ def test_the_compiler_reads_every_number_as_python_has_it(
     wanted = [value for c in one.library.constants.all() if c.kind == "real" for value in c.values]
     rounded = [value if double else float(np.float32(value)) for value in wanted]
     assert [float(text) for text in printed] == rounded
-
-
-def test_the_simulated_single_precision_is_the_compiler_s_to_the_bit(
-    exported: Callable[[str], Exported], loaded: Callable[[str, bool], object]
-) -> None:
-    one, library = exported("zhao-1993"), loaded("zhao-1993", False)
-    low, high = one.model.valid_resistance_ohm
-    resistances = np.linspace(low - 0.1, high + 0.1, 500)
-    ours = single_estimates(one.library.constants, resistances)
-    compiled = [library.estimate(float(ohm))[0] for ohm in resistances]  # type: ignore[attr-defined]
-    assert ours.tolist() == compiled
 
 
 def cancelling_model(power: int = 12, size: float = 2e4) -> dict[str, tuple[float, ...]]:

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 
 from musclewire.errors import CallerError
-from musclewire.extras.calibration._particles._estimator import PARTICLE_COLUMNS, particle_filter
-from musclewire.extras.calibration._particles._settings import ParticleSettings
 from musclewire.identify import fit
 from musclewire.parameters import load_alloy, load_bench, load_wire
-from musclewire.sensing import Correction, EstimatorSetup, HomeMove, SensingModel, state_going_on
+from musclewire.sensing import ESTIMATORS, Correction, EstimatorSetup, HomeMove, SensingModel, state_going_on
 from musclewire.signals import Reason, Recording, WireSample
 from musclewire.wire import CHOSEN, OneWire, constants_from, drive_path
 
@@ -40,6 +38,10 @@ def fitted() -> SensingModel:
     return fit(Recording(columns, {"leg_length_m": 0.07, "shunt_resistance_ohm": 1.0}))
 
 
+def particle_filter(setup: EstimatorSetup) -> Any:
+    return ESTIMATORS.make("particle-filter", setup)
+
+
 def drive_at(time_s: float) -> float:
     """A drive that goes on moving the wire: a warm-up, then steps up and down."""
     if time_s < 8.0:
@@ -47,12 +49,10 @@ def drive_at(time_s: float) -> float:
     return (2.6, 3.1, 2.8, 2.3, 2.95)[int(time_s / 2.5) % 5]
 
 
-def followed(
-    duration_s: float = 45.0, settings: ParticleSettings | None = None, drive_ratio: float = 1.0, **changed: float
-) -> dict[str, Any]:
+def followed(duration_s: float = 45.0, drive_ratio: float = 1.0, **changed: float) -> dict[str, Any]:
     """Estimates and true contraction of a wire whose numbers change to these after a while."""
     wire = OneWire(WIRE)
-    estimator = particle_filter(EstimatorSetup(fitted(), 1.0, PERIOD_S, wire=WIRE), settings)
+    estimator = particle_filter(EstimatorSetup(fitted(), 1.0, PERIOD_S, wire=WIRE))
     state, rows = estimator.start(), []
     random = np.random.default_rng(5)
     for tick in range(round(duration_s / PERIOD_S)):
@@ -67,7 +67,7 @@ def followed(
         estimate, state, recorded = estimator.step(state, sample)
         true = wire.state.connector_contraction
         rows.append((true, estimate.value, estimate.std, float(estimate.reason), *recorded))
-    columns = ("true", "value", "std", "reason", *PARTICLE_COLUMNS)
+    columns = ("true", "value", "std", "reason", *estimator.columns)
     return dict(zip(columns, np.array(rows).T, strict=True))
 
 
@@ -154,17 +154,3 @@ def test_a_correction_in_the_middle_of_a_run_reaches_the_wire_file_and_keeps_wha
 def test_without_a_wire_file_the_message_says_how_to_make_one() -> None:
     with pytest.raises(CallerError, match="needs a wire file: musclewire calibrate makes one"):
         particle_filter(EstimatorSetup(fitted(), 1.0, PERIOD_S))
-
-
-@pytest.mark.parametrize(
-    ("numbers", "message"),
-    [
-        ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2: they must"),
-        ({"spread_changed": (1.0,)}, "needs 6 numbers of 0 or more for convection"),
-        ({"hypotheses": 5}, "10 hypotheses or more"),
-        ({"evidence_time_s": 0.0}, "errors and times above 0"),
-    ],
-)
-def test_settings_that_leave_nothing_to_weigh_are_refused(numbers: dict[str, Any], message: str) -> None:
-    with pytest.raises(CallerError, match=message):
-        ParticleSettings(**numbers)

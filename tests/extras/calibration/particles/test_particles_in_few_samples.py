@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -115,3 +116,17 @@ def test_a_model_of_a_fingers_endpoint_is_refused() -> None:
     model = replace(MODEL, quantity="displacement", wire={"finger": "lan-fan"})
     with pytest.raises(CallerError, match="of a finger's endpoint"):
         filter_of(model=model)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ({"chance": (1.0, 1.0, 0.0, 0.0, 0.0, 0.0)}, "add up to 2: they must"),
+        ({"spread_changed": (1.0,)}, "needs 6 numbers of 0 or more for convection"),
+        ({"hypotheses": 5}, "10 hypotheses or more"),
+        ({"evidence_time_s": 0.0}, "errors and times above 0"),
+    ],
+)
+def test_settings_that_leave_nothing_to_weigh_are_refused(numbers: dict[str, Any], message: str) -> None:
+    with pytest.raises(CallerError, match=message):
+        ParticleSettings(**numbers)

@@ -2,46 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from made_wires import BENCH, cooling, driven, isobars, slow_sine, true_wire
+from found_wires import RECORDINGS, TRUTH, found
+from made_wires import BENCH, isobars
 from numpy.typing import NDArray
 
 import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.extras.calibration import Calibration, calibrate
-from musclewire.extras.calibration._physical.advice import ExperimentAdvice, next_experiments, proposed
-from musclewire.extras.calibration._physical.calibration import save_wire
-from musclewire.extras.calibration._physical.calibration_report import channel_axes, write_report
-from musclewire.extras.calibration._physical.posterior import PosteriorProblem
-from musclewire.extras.calibration._physical.recording_kinds import observations_of
-from musclewire.extras.calibration._physical.search import settings_of_effort
 from musclewire.parameters import bench_known_with, load_alloy, load_wire
 from musclewire.signals import Recording
 
 Array = NDArray[np.float64]
-TRUTH, TRUE_COORDINATES = true_wire(1)
-RECORDINGS = {
-    "loop": driven(TRUTH, slow_sine(), keep=("force_n",)),
-    "isobars": isobars(TRUTH),
-    "cooling": cooling(TRUTH),
-}
 
 
 @cache
-def found(*names: str) -> Calibration:
-    """A quick calibration from some of the recordings."""
-    return calibrate({name: RECORDINGS[name] for name in names}, settings=settings_of_effort("quick"))
-
-
-@cache
-def advised(*names: str) -> tuple[ExperimentAdvice, ...]:
+def advised(*names: str) -> tuple[Any, ...]:
     """What to measure after such a calibration."""
-    return next_experiments(found(*names))
+    return mw.next_experiments(found(*names))
 
 
 def true_number(name: str) -> float:
@@ -88,7 +71,7 @@ def test_isobars_tell_early_grains_apart(early: tuple[float, float]) -> None:
     """A quarter of the grains over 4 spreads, a tenth over 6, a seventh over 3: each is found within its interval."""
     truth = dict(zip(EARLY, early, strict=True))
     recording = isobars(TRUTH._replace(alloy={**TRUTH.alloy, **truth}))
-    calibration = calibrate(recording, settings=settings_of_effort("quick"))
+    calibration = calibrate(recording, settings=mw.settings_of_effort("quick"))
     items = {item.name: item for item in calibration.estimates}
     for name, value in truth.items():
         assert items[name].std < 0.8 * items[name].prior_std
@@ -103,7 +86,7 @@ def test_isobars_that_end_before_the_early_grains_leave_them_to_their_prior() ->
     whole = isobars(TRUTH)
     seen = whole["wire_temperature_k"] > TRUTH.alloy["martensite_temperature_k"] + whole["stress_pa"] / 8e6 - 5.0
     hot = Recording({name: values[seen] for name, values in whole.columns.items()}, whole.metadata)
-    calibration = calibrate(hot, settings=settings_of_effort("quick"))
+    calibration = calibrate(hot, settings=mw.settings_of_effort("quick"))
     for item in calibration.estimates:
         if item.name in EARLY:
             assert not item.identifiable
@@ -183,19 +166,6 @@ def test_advice_speaks_only_of_what_is_not_told_yet_and_never_of_what_was_measur
         assert counts == sorted(counts, reverse=True)
 
 
-def test_nobody_is_told_to_pull_a_wire_apart() -> None:
-    """Twice 1.9 N and the spring are more than the 4.601 N of this wire; twice 1.0 N are not."""
-    gentle = replace(found("loop"), problem=problem_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
-    for calibration, offered in ((found("loop"), False), (gentle, True)):
-        keys = {key for key, _ in proposed(calibration)}
-        assert ("twice_pretension" in keys) is offered
-        assert "half_pretension" in keys
-
-
-def problem_of(recording: Recording) -> PosteriorProblem:
-    return PosteriorProblem(found("loop").problem.candidates, observations_of({"loop": recording})[0])
-
-
 @pytest.mark.slow
 def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> None:
     best = advised("isobars")[0]
@@ -206,7 +176,7 @@ def test_after_isobars_alone_a_loop_with_current_would_tell_resistivities() -> N
 
 def test_the_wire_file_is_the_wire_found(tmp_path: Path) -> None:
     calibration = found("loop")
-    save_wire(calibration, tmp_path / "mine.toml")
+    mw.save_wire(calibration, tmp_path / "mine.toml")
     wire = load_wire(str(tmp_path / "mine.toml"))
     assert wire.values() == calibration.wire.values()
     assert load_alloy(wire.alloy).values() == calibration.alloy.values()
@@ -218,11 +188,11 @@ def test_the_wire_file_is_the_wire_found(tmp_path: Path) -> None:
     assert known.pop("guide_friction_n") == calibration.values.bench["guide_friction_n"]
     assert known == {**BENCH}
     with pytest.raises(CallerError, match=r"a wire is a \.toml file"):
-        save_wire(calibration, tmp_path / "mine.json")
+        mw.save_wire(calibration, tmp_path / "mine.json")
 
 
 def test_a_rig_with_the_wire_found_does_the_loop_that_was_measured(tmp_path: Path) -> None:
-    save_wire(found("loop"), tmp_path / "mine.toml")
+    mw.save_wire(found("loop"), tmp_path / "mine.toml")
     drive = RECORDINGS["loop"]["drive_voltage_v"]
     quiet = {"displacement_noise_m": 0.0, "guide_presliding_m": TRUTH.bench["guide_presliding_m"]}
     with mw.open_rig("simulated", wire=str(tmp_path / "mine.toml"), **quiet) as rig:
@@ -236,13 +206,13 @@ def test_it_prints_something_useful_and_plots(tmp_path: Path) -> None:
     calibration = found("loop", "isobars")
     assert "the fit holds" in str(calibration)
     assert "<table>" in calibration._repr_html_()
-    assert len(channel_axes(found("loop")).lines) == 2
-    write_report(calibration, tmp_path / "mine.html")
+    assert len(mw.channel_axes(found("loop")).lines) == 2
+    mw.write_report(calibration, tmp_path / "mine.html")
     page = (tmp_path / "mine.html").read_text("utf-8")
     assert page.count("<svg") > len(calibration.estimates)
     assert "What to measure next" in page
     with pytest.raises(CallerError, match=r"a report is an \.html file"):
-        write_report(calibration, tmp_path / "mine.pdf")
+        mw.write_report(calibration, tmp_path / "mine.pdf")
 
 
 @pytest.mark.slow
@@ -251,7 +221,7 @@ def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
     loop = RECORDINGS["loop"]
     creep = 0.005 * 0.07 * np.sin(8.0 * np.linspace(0.0, np.pi, len(loop)))
     spoilt = loop.with_columns(displacement_m=loop["displacement_m"] + creep * (loop["displacement_m"] > 1e-4))
-    calibration = calibrate({"loop": spoilt}, settings=settings_of_effort("quick"))
+    calibration = calibrate({"loop": spoilt}, settings=mw.settings_of_effort("quick"))
     assert not calibration.holds
     assert "strain" in {pair.channel.name for _, pair in calibration.not_followed}
     assert calibration.excess_variance > 1.0
@@ -260,8 +230,8 @@ def test_what_the_model_cannot_follow_is_said_not_to_hold() -> None:
 
 @pytest.mark.slow
 def test_one_recording_may_come_bare_and_several_as_a_list() -> None:
-    one = calibrate(RECORDINGS["isobars"], settings=settings_of_effort("quick"))
-    same = calibrate([RECORDINGS["isobars"]], settings=settings_of_effort("quick"))
+    one = calibrate(RECORDINGS["isobars"], settings=mw.settings_of_effort("quick"))
+    same = calibrate([RECORDINGS["isobars"]], settings=mw.settings_of_effort("quick"))
     assert np.array_equal(one.search_result.coordinates, same.search_result.coordinates)
     with pytest.raises(CallerError, match="no recording"):
         calibrate([])

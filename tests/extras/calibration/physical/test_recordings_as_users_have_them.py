@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_wires import BENCH, candidates, cooling, driven, isobars, slow_sine, true_wire
+from found_wires import RECORDINGS, TRUTH, found
+from made_wires import BENCH, candidates, driven, slow_sine
 from numpy.typing import NDArray
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.extras.calibration import calibrate
+from musclewire.extras.calibration._physical.advice import proposed
 from musclewire.extras.calibration._physical.driven import DrivenObservation
 from musclewire.extras.calibration._physical.observations import Observation, compare, even_clock
+from musclewire.extras.calibration._physical.posterior import PosteriorProblem
 from musclewire.extras.calibration._physical.recording_kinds import observable_parameters, observations_of, start_of
 from musclewire.parameters import load_priors
 from musclewire.signals import Recording
 
 Array = NDArray[np.float64]
-TRUTH, _ = true_wire(1)
-LOOP = driven(TRUTH, slow_sine(), keep=("force_n",))
+LOOP = RECORDINGS["loop"]
 
 
 def observed(recording: Recording, **bench: float) -> Observation:
@@ -112,7 +115,7 @@ def test_samples_closer_than_a_step_become_one_and_tell_the_same() -> None:
 
 
 def test_isobars_are_understood_in_elongation_and_in_contraction() -> None:
-    found = isobars(TRUTH)
+    found = RECORDINGS["isobars"]
     turned = found.with_columns(reference_strain=-found["reference_strain"])
     for recording, sign in ((found, "elongation"), (turned, "contraction")):
         observations, notes = observations_of({"mine.txt": recording})
@@ -130,14 +133,14 @@ def test_under_next_to_no_load_the_other_isobars_tell_the_sign() -> None:
             "stress_pa": np.full(60, 2e6),
         }
     )
-    _, notes = observations_of({"light": light, "others": isobars(TRUTH)})
+    _, notes = observations_of({"light": light, "others": RECORDINGS["isobars"]})
     assert "strain of isobars: positive in elongation" in notes
 
 
 def test_what_recordings_can_tell_follows_from_what_they_are() -> None:
     names = {
         kind: set(observable_parameters(load_priors(), observations_of({"a": recording})[0]))
-        for kind, recording in (("loop", LOOP), ("isobars", isobars(TRUTH)), ("cooling", cooling(TRUTH)))
+        for kind, recording in (("loop", LOOP), ("isobars", RECORDINGS["isobars"]), ("cooling", RECORDINGS["cooling"]))
     }
     assert names["loop"] == set(candidates().names)
     assert "martensite_resistivity_ohm_m" not in names["isobars"] | names["cooling"]
@@ -264,3 +267,16 @@ def test_a_recording_of_two_wires_is_not_taken_for_one_of_one() -> None:
     both = LOOP.with_metadata({"wires": 2, "load": "spring, parallel wire"})
     with pytest.raises(RecordingError, match=r"2 wires made this recording \(spring, parallel wire\)"):
         observed(both)
+
+
+def test_nobody_is_told_to_pull_a_wire_apart() -> None:
+    """Twice 1.9 N and the spring are more than the 4.601 N of this wire; twice 1.0 N are not."""
+    gentle = replace(found("loop"), problem=problem_of(driven(TRUTH, slow_sine(), bench={"pretension_n": 1.0})))
+    for calibration, offered in ((found("loop"), False), (gentle, True)):
+        keys = {key for key, _ in proposed(calibration)}
+        assert ("twice_pretension" in keys) is offered
+        assert "half_pretension" in keys
+
+
+def problem_of(recording: Recording) -> PosteriorProblem:
+    return PosteriorProblem(found("loop").problem.candidates, observations_of({"loop": recording})[0])

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+import musclewire as mw
 from musclewire.errors import CallerError, RecordingError
 from musclewire.extras.grip import GripperKnowledge, close_fingers, grip, load_knowledge, train_gripper, with_object
-from musclewire.extras.grip._contact_fitting import (
-    KnownGrip,
-    closing_of,
-    fit_free_closing,
-    fit_grip_curve,
-    thermal_time_s,
-)
-from musclewire.extras.grip._grip import GripRun
-from musclewire.parameters import load_alloy, load_finger
+from musclewire.parameters import load_finger
 from musclewire.rigs import open_rig, rig_configuration
 from musclewire.signals import Recording
 from musclewire.wire import ElasticObject
@@ -30,7 +24,7 @@ def gripped(
     seed: int,
     stiffness: float | None = None,
     target_n: float = 0.3,
-) -> GripRun:
+) -> Any:
     with open_rig(with_object("gripper", block), seed=seed) as rig:
         return grip(rig, knowledge, target_n=target_n, stiffness_n_per_m=stiffness)
 
@@ -122,14 +116,6 @@ def test_what_was_learned_agrees_with_the_finger_and_the_wire(knowledge: Gripper
     assert 0.035 / (80e9 * section) < knowledge.curve.wire_compliance_m_per_n < 0.035 / (20e9 * section)
 
 
-def test_the_thermal_time_is_that_of_a_thin_wire_in_still_air() -> None:
-    # rho c d / (4 h) with rho and c of the alloy's file and the 151 W/(m2 K) of the convection's own doctest.
-    alloy = load_alloy("flexinol")
-    heat = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
-    assert thermal_time_s(1e-4) == pytest.approx(heat * 1e-4 / (4 * 151), rel=0.01)
-    assert thermal_time_s(2e-4) > 2 * thermal_time_s(1e-4)
-
-
 def test_what_was_learned_survives_its_file_and_another_file_is_refused(
     knowledge: GripperKnowledge, tmp_path: Path
 ) -> None:
@@ -194,13 +180,7 @@ def test_too_few_closings_are_refused_with_what_is_missing() -> None:
     with open_rig(with_object("gripper", None)) as rig:
         runs = [close_fingers(rig)]
     with pytest.raises(RecordingError, match="30 are needed"):
-        fit_free_closing(runs)
-
-
-def test_a_closing_that_does_not_state_its_sample_period_is_refused() -> None:
-    columns = {"time_s": np.arange(9.0), "wire_voltage_v": np.linspace(0.9, 0.1, 9), "shunt_voltage_v": np.full(9, 0.1)}
-    with pytest.raises(RecordingError, match="does not state sample_period_s"):
-        closing_of(Recording(columns, {"shunt_resistance_ohm": 1.0}), 1.0, 9.0)
+        mw.fit_free_closing(runs)
 
 
 def test_force_is_not_learned_without_the_load_cell(knowledge: GripperKnowledge) -> None:
@@ -208,7 +188,7 @@ def test_force_is_not_learned_without_the_load_cell(knowledge: GripperKnowledge)
         run = close_fingers(rig)
     cut = Recording({name: run[name] for name in run.names if name != "endpoint_force_n"}, run.metadata)
     with pytest.raises(RecordingError, match="load cell"):
-        fit_grip_curve([run], [KnownGrip(cut, 300.0)], knowledge.free, fingers=2)
+        mw.fit_grip_curve([run], [mw.KnownGrip(cut, 300.0)], knowledge.free, fingers=2)
 
 
 def test_a_rig_without_anything_to_grip_and_a_closing_that_cannot_be_are_refused() -> None:

@@ -7,10 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from musclewire.errors import CallerError
+from musclewire.errors import CallerError, RecordingError
 from musclewire.extras.grip import ContactDetector
 from musclewire.extras.grip._contact_detection import ContactState, FreeClosing
+from musclewire.extras.grip._contact_fitting import closing_of, thermal_time_s
 from musclewire.extras.grip._grip_force import GripCurve, fall_by_cooling
+from musclewire.parameters import load_alloy
+from musclewire.signals import Recording
 
 # Two fingers whose endpoints move 6 mm while resistance falls through its range, lever 5 throughout.
 CURVE = GripCurve(
@@ -130,3 +133,17 @@ def test_a_known_stiffness_picks_the_place_from_which_power_grows_as_it_should()
 def test_without_candidates_the_place_is_the_detectors() -> None:
     state = ContactDetector(FREE).start()
     assert CURVE.contact_place(state, 200.0) == state.place
+
+
+def test_the_thermal_time_is_that_of_a_thin_wire_in_still_air() -> None:
+    # rho c d / (4 h) with rho and c of the alloy's file and the 151 W/(m2 K) of the convection's own doctest.
+    alloy = load_alloy("flexinol")
+    heat = alloy.density_kg_per_m3.value * alloy.specific_heat_j_per_kg_k.value
+    assert thermal_time_s(1e-4) == pytest.approx(heat * 1e-4 / (4 * 151), rel=0.01)
+    assert thermal_time_s(2e-4) > 2 * thermal_time_s(1e-4)
+
+
+def test_a_closing_that_does_not_state_its_sample_period_is_refused() -> None:
+    columns = {"time_s": np.arange(9.0), "wire_voltage_v": np.linspace(0.9, 0.1, 9), "shunt_voltage_v": np.full(9, 0.1)}
+    with pytest.raises(RecordingError, match="does not state sample_period_s"):
+        closing_of(Recording(columns, {"shunt_resistance_ohm": 1.0}), 1.0, 9.0)

@@ -6,6 +6,7 @@ import math
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from emulation.exported_library.on_this_machine import full_scales
@@ -13,10 +14,10 @@ from tests.extras.board.export.export_parts import drive_limits, whole_model
 from tests.extras.interfaces.export.fmu_parts import ERROR, WARNING, Slave
 from tests.tools import require_oracle, require_tool
 
+import musclewire as mw
 from musclewire.controllers import Event, State
 from musclewire.errors import CallerError
 from musclewire.extras.board import ReferenceTick, TickOutcome, exercise, limits_of_rig, settings_in_c
-from musclewire.extras.interfaces._fmu import Fmu, export_fmu
 
 pytestmark = pytest.mark.oracles
 fmpy = require_oracle("fmpy")
@@ -37,13 +38,13 @@ def controller(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(scope="module")
-def exported(controller: str, tmp_path_factory: pytest.TempPathFactory) -> Fmu:
+def exported(controller: str, tmp_path_factory: pytest.TempPathFactory) -> Any:
     require_tool("gcc", "gcc libc6-dev")
-    return export_fmu(whole_model(), tmp_path_factory.mktemp("fmu"), **LOOPS[controller])
+    return mw.export_fmu(whole_model(), tmp_path_factory.mktemp("fmu"), **LOOPS[controller])
 
 
 @pytest.fixture
-def slave(exported: Fmu) -> Iterator[Slave]:
+def slave(exported: Any) -> Iterator[Slave]:
     with Slave(exported.path) as opened:
         yield opened
 
@@ -66,7 +67,7 @@ def differences(slave: Slave, outcome: TickOutcome, scales: dict[str, float]) ->
     return found
 
 
-def test_fmpy_finds_nothing_to_complain_of(exported: Fmu) -> None:
+def test_fmpy_finds_nothing_to_complain_of(exported: Any) -> None:
     assert validate_fmu(str(exported.path)) == []
 
 
@@ -148,7 +149,7 @@ def test_a_wrong_call_is_an_error_of_the_caller_with_its_remedy(slave: Slave, ac
     slave.step(PERIOD_S)
 
 
-def test_a_binary_of_another_export_is_refused_by_its_guid(exported: Fmu) -> None:
+def test_a_binary_of_another_export_is_refused_by_its_guid(exported: Any) -> None:
     folder = Path(fmpy.extract(str(exported.path)))
     description = folder / "modelDescription.xml"
     guid = fmpy.read_model_description(str(folder)).guid
@@ -157,7 +158,7 @@ def test_a_binary_of_another_export_is_refused_by_its_guid(exported: Fmu) -> Non
         Slave(exported.path, folder)
 
 
-def test_its_own_sources_compile_without_a_warning_and_give_the_same_numbers(exported: Fmu, tmp_path: Path) -> None:
+def test_its_own_sources_compile_without_a_warning_and_give_the_same_numbers(exported: Any, tmp_path: Path) -> None:
     require_tool("cmake", "cmake make")
     folder = tmp_path / "unpacked"
     with zipfile.ZipFile(exported.path) as archive:
@@ -177,16 +178,17 @@ def test_its_own_sources_compile_without_a_warning_and_give_the_same_numbers(exp
 
 
 def test_the_same_model_gives_the_same_bytes_and_another_is_not_replaced_unasked(
-    controller: str, exported: Fmu, tmp_path: Path
+    controller: str, exported: Any, tmp_path: Path
 ) -> None:
-    again = export_fmu(whole_model(), tmp_path, **LOOPS[controller])
+    again = mw.export_fmu(whole_model(), tmp_path, **LOOPS[controller])
     assert again.path.read_bytes() == exported.path.read_bytes()
     other = whole_model(normalised_max=0.9)
     with pytest.raises(CallerError, match="is another FMU"):
-        export_fmu(other, tmp_path, **LOOPS[controller])
+        mw.export_fmu(other, tmp_path, **LOOPS[controller])
     assert again.path.read_bytes() == exported.path.read_bytes()
     assert (
-        export_fmu(other, tmp_path, overwrite=True, **LOOPS[controller]).path.read_bytes() != exported.path.read_bytes()
+        mw.export_fmu(other, tmp_path, overwrite=True, **LOOPS[controller]).path.read_bytes()
+        != exported.path.read_bytes()
     )
 
 
@@ -196,12 +198,12 @@ def test_without_a_compiler_it_says_so_and_sources_alone_are_to_be_had(
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     with pytest.raises(CallerError, match=r"no C compiler .* sources_only=True"):
-        export_fmu(whole_model(), tmp_path)
+        mw.export_fmu(whole_model(), tmp_path)
     assert not list(tmp_path.glob("*.fmu"))
-    written = export_fmu(whole_model(), tmp_path, sources_only=True)
+    written = mw.export_fmu(whole_model(), tmp_path, sources_only=True)
     assert (written.platform, written.compiler) == ("", "")
     assert fmpy.supported_platforms(str(written.path)) == ["c-code"]
     assert validate_fmu(str(written.path)) == []
     monkeypatch.setenv("CC", "no-such-compiler")
     with pytest.raises(CallerError, match="CC names 'no-such-compiler'"):
-        export_fmu(whole_model(), tmp_path)
+        mw.export_fmu(whole_model(), tmp_path)

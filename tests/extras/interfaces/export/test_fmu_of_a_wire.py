@@ -18,9 +18,9 @@ from tests.extras.board.export.export_parts import whole_model
 from tests.extras.interfaces.export.fmu_parts import DISCARD, ERROR, Slave
 from tests.tools import require_oracle, require_tool
 
+import musclewire as mw
 from musclewire.arrays import FloatArray
 from musclewire.errors import CallerError, NumericsError
-from musclewire.extras.interfaces._fmu import Fmu, export_fmu
 from musclewire.rigs import FingerTendon, RigConfiguration, SimulatedDevice, open_simulated, rig_configuration
 from musclewire.wire import (
     OneWire,
@@ -63,7 +63,7 @@ RIGS: dict[str, str | RigConfiguration] = {
 class Wire(NamedTuple):
     """An exported wire and what Python computes it with."""
 
-    fmu: Fmu
+    fmu: Any
     device: SimulatedDevice
     constants: WireConstants
 
@@ -81,7 +81,7 @@ def wires(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Wire]:
             device = open_simulated(configuration, where)
             wires = device.wires
             assert isinstance(wires, OneWire)
-            known[name] = Wire(export_fmu(RIGS[name], tmp_path_factory.mktemp("fmu")), device, wires.constants)
+            known[name] = Wire(mw.export_fmu(RIGS[name], tmp_path_factory.mktemp("fmu")), device, wires.constants)
         return known[name]
 
     return of
@@ -350,7 +350,7 @@ def start_and_step(slave: Slave, start: dict[str, float], values: dict[str, floa
     slave.step(step_s)
 
 
-def unpacked(fmu: Fmu, folder: Path) -> Path:
+def unpacked(fmu: Any, folder: Path) -> Path:
     with zipfile.ZipFile(fmu.path) as archive:
         archive.extractall(folder)
     return folder
@@ -431,7 +431,7 @@ def test_nothing_undefined_happens_in_its_c(wires: Callable[[str], Wire], name: 
 @pytest.mark.parametrize("kind", ["wire", "controller"])
 def test_memory_is_kept_in_order_over_a_whole_life(wires: Callable[[str], Wire], tmp_path: Path, kind: str) -> None:
     gcc = require_tool("gcc", "gcc libc6-dev")
-    fmu = wires("finger").fmu if kind == "wire" else export_fmu(whole_model(), tmp_path)
+    fmu = wires("finger").fmu if kind == "wire" else mw.export_fmu(whole_model(), tmp_path)
     folder = unpacked(fmu, tmp_path / "unpacked")
     sources = [*sorted((folder / "sources").glob("*.c")), Path(__file__).with_name("fmu_life.c")]
     watched = [
@@ -452,15 +452,15 @@ def test_clang_gives_the_same_bits(
 ) -> None:
     monkeypatch.setenv("CC", require_tool("clang", "clang"))
     wire = wires("finger")
-    other = export_fmu("finger", tmp_path)
+    other = mw.export_fmu("finger", tmp_path)
     drive = drive_staircase(wire.device)
     assert rows_of_fmu(other.path, drive, 0.01) == rows_of_fmu(wire.fmu.path, drive, 0.01)
 
 
 def test_what_the_rig_has_and_the_fmu_has_not_is_said(tmp_path: Path) -> None:
     moving: Any = {"draught": 0.1}
-    assert not any("air" in text for text in export_fmu("simulated", tmp_path, sources_only=True).left_out)
+    assert not any("air" in text for text in mw.export_fmu("simulated", tmp_path, sources_only=True).left_out)
     windy = RigConfiguration.model_validate({"surroundings": moving})
-    said = export_fmu(windy, tmp_path, name="windy", sources_only=True)
+    said = mw.export_fmu(windy, tmp_path, name="windy", sources_only=True)
     assert any("[surroundings]" in text for text in said.left_out)
     assert fmpy.supported_platforms(str(said.path)) == ["c-code"]

@@ -11,7 +11,6 @@ from tests.tools import require_oracle, require_tool
 
 import musclewire as mw
 from musclewire.extras.board import ReferenceTick, limits_of_rig, settings_in_c
-from musclewire.extras.interfaces._fmu import export_fmu
 from musclewire.rigs import RigConfiguration, open_simulated
 from musclewire.sensing import SensingModel
 from musclewire.wire import OneWire, advance, resting_state
@@ -47,7 +46,7 @@ def python_loop(model: SensingModel) -> list[tuple[float, float, float]]:
 def fmu_loop(model: SensingModel, folder: Path) -> list[tuple[float, float, float]]:
     """Return the same by both FMUs, the wire stepped first."""
     rows = []
-    with Slave(export_fmu("simulated", folder).path) as wire, Slave(export_fmu(model, folder).path) as controller:
+    with Slave(mw.export_fmu("simulated", folder).path) as wire, Slave(mw.export_fmu(model, folder).path) as controller:
         wire.start()
         controller.start()
         for target in TARGETS:

@@ -15,13 +15,13 @@ from musclewire.errors import CallerError, NumericsError
 from musclewire.extras.studies import (
     Conditions,
     NormalMixture,
+    SegmentedConfiguration,
     SegmentedWire,
     WireAgeing,
     WireStructure,
     fin_length_m,
     mixture_distribution,
 )
-from musclewire.extras.studies._segmented.wire import DEFAULT_STEP_S
 from musclewire.parameters import load_alloy, load_bench, load_wire
 from musclewire.wire import BarrierClass, OneWire, StepControl, constants_from
 
@@ -30,10 +30,11 @@ pytestmark = pytest.mark.slow
 SAMPLE_S = 0.05
 STROKE = 0.038
 CLASSES = (BarrierClass(0.3, -2.0), BarrierClass(0.4, 0.0), BarrierClass(0.3, 2.5))
+STEP_S: float = SegmentedConfiguration.model_fields["time_step"].default
 GRAINS = mixture_distribution((NormalMixture(0.8, 0.0, 1.0), NormalMixture(0.2, -1.5, 2.0)))
 
 
-def paper(structure: WireStructure, step_s: float = DEFAULT_STEP_S) -> SegmentedWire:
+def paper(structure: WireStructure, step_s: float = STEP_S) -> SegmentedWire:
     return SegmentedWire(load_alloy("flexinol"), load_wire("paper-100um"), load_bench("paper"), structure, step_s)
 
 
@@ -135,9 +136,7 @@ def test_whatever_jumps_the_wire_is_in_balance_with_its_load(seed: int, segments
 
 def test_half_the_step_changes_less_than_a_thousandth_of_the_stroke() -> None:
     structure = WireStructure(12, classes=CLASSES, grains=GRAINS)
-    coarse, fine, finest = (
-        strains_of(paper(structure, step_s)) for step_s in (2.0 * DEFAULT_STEP_S, DEFAULT_STEP_S, 3.125e-4)
-    )
+    coarse, fine, finest = (strains_of(paper(structure, step_s)) for step_s in (2.0 * STEP_S, STEP_S, 3.125e-4))
     assert np.abs(fine - finest).max() < 2e-4 * STROKE
     # Second order: half the step leaves a quarter of the error, on the mean over the run.
     assert np.abs(fine - finest).mean() < 0.4 * np.abs(coarse - finest).mean()
