@@ -207,10 +207,7 @@ def compiled_inner(function: Function) -> Function:
 
 
 def compiled_inline(function: Function) -> Function:
-    """Compile as :func:`compiled_inner` does, and copy the function's machine code into each compiled caller.
-
-    Worth it in an inner loop: only so can a loop over many wires become vector instructions.
-    """
+    """Compile as :func:`compiled_inner`, inlined in each compiled caller: only so are loops over wires vectorised."""
     return _compile(function, inner=True, forceinline=True)
 
 

@@ -33,10 +33,7 @@ class AnswerModel(BaseModel):
 
 
 class AnswerRecord:
-    """Marks a named tuple or a dataclass of another room that is an object with its fields as keys.
-
-    ``more`` are further keys, and other kinds for its fields.
-    """
+    """Marks another room's named tuple or dataclass as an object of its fields; ``more`` are further or other keys."""
 
     def __init__(self, *, without: Collection[str] = (), infinite: Any = None, **more: Any) -> None:
         """Take the fields that are no keys, and what numbers that are not finite are: ... for null, or ABSENT."""

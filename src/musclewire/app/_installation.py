@@ -58,10 +58,7 @@ def installation() -> Installation:
 
 
 def requirements() -> dict[str, list[str]]:
-    """Return the packages that musclewire itself ("") and each of its extras for users need.
-
-    An extra that only has others in it (as board: serial and nidaq) is not among them.
-    """
+    """Return the packages that musclewire itself ("") and each extra for users need, but for extras of other extras."""
     found: dict[str, list[str]] = {"": []}
     for line in requires("musclewire") or ():
         match = REQUIREMENT.match(line)

@@ -15,10 +15,7 @@ ZERO_CELSIUS_K = 273.15
 
 
 class LiveNumbers:
-    """The last row of a run in words.
-
-    The loop only leaves a row here; the words are made where they are drawn, in another thread, a few times a second.
-    """
+    """The last row of a run, put into words a few times a second by the thread that draws it."""
 
     def __init__(self, rig: GuardedRig) -> None:
         """Show nothing yet."""

@@ -362,10 +362,7 @@ def in_si(name: str, text: None) -> None: ...
 @overload
 def in_si(name: str, text: str | None) -> float | None: ...
 def in_si(name: str, text: str | None) -> float | None:
-    """Return what was given for an option, such as '70 mm', in SI; None if it was not given.
-
-    Raises CallerError that names the option if the text is no such quantity, or outside of what is allowed.
-    """
+    """Return an option such as '70 mm' in SI, None if not given. Raises CallerError if wrong or not allowed."""
     kind = OPTIONS[name].quantity
     if kind is None:
         raise KeyError(f"{name} is no quantity")

@@ -231,10 +231,7 @@ def state_of_value(wire: KnownWire, state: Row, value: float, cold: bool, dt_s: 
 
 
 def inverse_model_numbers(settings: FeedforwardSettings) -> tuple[dict[str, float], FloatArray]:
-    """Return the tick's numbers of wire and method by name, and its tables; the header in C has both.
-
-    A row for each level, (n, 5): heating and cooling power [W], resistance [ohm], both slopes.
-    """
+    """Return the tick's numbers by name, and its tables, (n, 5): both powers [W], resistance [ohm], both slopes."""
     known = known_numbers(settings)
     numbers = {name: float(known[name]) for name in OF_THE_WIRE}
     return numbers | INVERSE_MODEL._asdict(), np.column_stack([known[name] for name in TABLES])

@@ -85,10 +85,7 @@ class ManyControlRuns:
 
     @property
     def mae_pct(self) -> FloatArray:
-        """Mean absolute error of each step from the first target on (Eq. 7) [%], (n_loops, n_steps).
-
-        Not a number without one.
-        """
+        """Mean absolute error of each step from the first target on (Eq. 7) [%], (n_loops, n_steps); NaN if unknown."""
         return as_numbers([[step.mae_pct for step in one.steps] for one in self.metrics])
 
     @property

@@ -284,11 +284,7 @@ def what_protects(rig: Rig) -> dict[str, MetadataValue]:
 
 @contextmanager
 def few_collections() -> Iterator[None]:
-    """Keep the garbage collector from walking through all that was there before a run.
-
-    A full collection over the objects of NumPy, Numba and Matplotlib takes tens of milliseconds. What the run itself
-    leaves behind is little and still collected.
-    """
+    """Keep the garbage collector from walking through what was there before a run, which takes tens of milliseconds."""
     gc.freeze()
     try:
         yield

@@ -29,24 +29,48 @@ CYCLES_COMPARED = 5  # cycles over which that motion is taken
 
 @dataclass(frozen=True)
 class TrainingCycle:
-    """One cycle of a training."""
+    """One cycle of a training.
 
-    number: int  # which cycle, from 1
-    resistance_min_ohm: float  # resistance at point C
-    resistance_max_ohm: float  # resistance at point B
-    strain_cold: float  # strain of the cold wire
-    stroke: float  # strain from cold to hot
-    # Change over the last five cycles, as a fraction of resistance span and stroke; None before there are so many.
+    Parameters
+    ----------
+    number
+        Which cycle, from 1.
+    resistance_min_ohm
+        Resistance at point C [ohm].
+    resistance_max_ohm
+        Resistance at point B [ohm].
+    strain_cold
+        Strain of the cold wire.
+    stroke
+        Strain from cold to hot.
+    change
+        Change over the last five cycles, as a fraction of resistance span and stroke; None before there are so many.
+    """
+
+    number: int
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    strain_cold: float
+    stroke: float
     change: float | None
 
 
 @dataclass(frozen=True)
 class Training:
-    """A finished training."""
+    """A finished training.
 
-    cycles: tuple[TrainingCycle, ...]  # every cycle, in order
-    settled: bool  # whether the loop repeats; False if the largest number of cycles came first
-    # The first cycle in which the wire pulled harder than it may, in a sentence for each reason; empty if none did.
+    Parameters
+    ----------
+    cycles
+        Every cycle, in order.
+    settled
+        Whether the loop repeats; False if the largest number of cycles came first.
+    warnings
+        The first cycle in which the wire pulled harder than it may, in a sentence for each reason; empty if none did.
+    """
+
+    cycles: tuple[TrainingCycle, ...]
+    settled: bool
     warnings: tuple[str, ...] = ()
 
 

@@ -113,10 +113,7 @@ def interpolated(temperature_k: FloatArray, rising: FloatArray, fraction: float)
 
 
 def half_transformation_slope_pa_per_k(summaries: Sequence[IsobarSummary], branch: str) -> float:
-    """Return the Clausius-Clapeyron slope [Pa/K] of the half-transformation temperatures; ``branch`` as in a summary.
-
-    It is the inverse of the slope of temperature over stress in a straight-line fit, since stress is exact.
-    """
+    """Return the Clausius-Clapeyron slope [Pa/K] of a branch, fitted as temperature over stress: stress is exact."""
     stress = [summary.stress_pa for summary in summaries]
     half = [getattr(summary, f"{branch}_k")[1] for summary in summaries]
     return float(1.0 / np.polyfit(stress, half, 1)[0])

@@ -98,10 +98,7 @@ def force_is_level(force: FloatArray, strain: FloatArray, segments: LoopSegments
 
 
 def gap_in(segments: LoopSegments, reading: ArrayReading, values: FloatArray) -> float:
-    """Return a quantity's gap between the branches at equal resistance, as a fraction of its largest value.
-
-    Raises RecordingError if the branches share no resistance.
-    """
+    """Return a quantity's gap over its largest value. Raises RecordingError if the branches share no resistance."""
     resistance, valid = reading.resistance_ohm, reading.valid
     branches = [(resistance[part][valid[part]], values[part][valid[part]]) for part in branches_of(segments)]
     return hysteresis_gap(branches[0], branches[1])

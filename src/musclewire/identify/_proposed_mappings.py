@@ -68,10 +68,7 @@ def proposed_addition(plan: ImportPlan) -> ImportMapping | None:
 
 
 def judged_units(table: SourceTable, match: HeaderMatch) -> ImportMapping | None:
-    """Return the units of columns that state none, if in one way only they are a wire's; None if they are in several.
-
-    Voltage and current have to give a resistance that a wire has, and a power that heats one.
-    """
+    """Return units by which columns without any give a wire's resistance and power; None if there are several ways."""
     items: list[UndecidedHeader] = [item for item in match.undecided if isinstance(item, HeaderWithoutUnit)]
     if len(items) < len(match.undecided) or any(item.column not in _UNITS_OF for item in items):
         return None

@@ -77,10 +77,7 @@ def heating_power_w(
 
 
 def why_warm_at_start(recording: Recording, reading: ArrayReading, rows: NDArray[np.intp]) -> str:
-    """Return how a recording shows that the wire was colder later than in its first rows; "" if it does not.
-
-    An instrument of motion shows it, and without one the power of a wire that is heated by its current.
-    """
+    """Return how motion, or else power, shows that a recording begins with a warm wire; "" if it does not."""
     measured = (reference_quantity(recording, quantity) for quantity in ("strain", "displacement"))
     moved = next((one for one in measured if one is not None and np.isfinite(one[rows]).any()), None)
     power_w = power_in(recording)

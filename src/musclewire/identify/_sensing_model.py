@@ -73,10 +73,7 @@ MEAN_SAMPLES = 33
 
 
 def in_sensing_segment(model: SensingModel, recording: Recording, reading: ArrayReading) -> NDArray[np.bool_]:
-    """Return the samples in which the wire is between B and C, (n_times,).
-
-    Without power there is nothing to locate B by; then only resistances that no cold wire has count.
-    """
+    """Return where the wire is between B and C, (n_times,); without power, where no cold wire has this resistance."""
     if not has_power(recording):
         span = model.resistance_max_ohm - model.resistance_min_ohm
         return reading.resistance_ohm < model.resistance_min_ohm + AMBIGUOUS_ABOVE * span
@@ -263,10 +260,7 @@ def fit(
 
 
 def why_loop_is_wrong(model: SensingModel, recording: Recording) -> str:
-    """Return why a loop by a model is wrong, as the recording that it was fitted to shows; "" if nothing does.
-
-    Without a current only the average of both branches can be tried, and the model then holds no more than that.
-    """
+    """Return why a loop by a model is wrong by its own recording, "" if it is not; without a current by the average."""
     try:
         wrong = estimate(model, recording).does_not_hold
     except RecordingError as error:  # nothing of its own loop can be estimated
@@ -389,10 +383,7 @@ def not_done(recording: Recording) -> tuple[str, ...]:
 
 
 def fit_table(recording: Recording, order: int | str) -> SensingModel:
-    """Fit a printed loop, such as the paper's Table 2: strain on both branches at given resistances.
-
-    Limits of resistance are those that the table states, or the ends of the heating branch.
-    """
+    """Fit a printed loop, such as the paper's Table 2: strain on both branches at given resistances."""
     resistance = recording["resistance_ohm"]
     return fit_branches(
         (resistance, recording["strain_heating"]),

@@ -306,11 +306,7 @@ def margins_of(gain: float, slope: float, plant: FeedforwardSettings) -> Stabili
 
 
 def fuzzy_scale(model: SensingModel, plant: FeedforwardSettings) -> float:
-    """Return the fuzzy PID's volts per error unit at which the middle of its K_p is the K_c of SIMC.
-
-    Its range of K_p and K_I stays the paper's. The smaller K_c of both branches counts, as the paper's gains do not
-    follow strain.
-    """
+    """Return the volts per error unit at which the paper's middle K_p is SIMC's K_c, the smaller of both branches."""
     middle = len(plant.resistance_ohm) // 2
     resistance = plant.resistance_ohm[middle]
     total = resistance + plant.shunt_resistance_ohm

@@ -57,11 +57,7 @@ def error_unit_for(model: SensingModel, load: KnownSpring | None = None) -> floa
 
 
 def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
-    """Return the gains that a model keeps, for a loop of a sample period; None if it keeps none.
-
-    A period longer than in the slow loop makes the loop slower. Raises CallerError if what the model keeps are no
-    gains.
-    """
+    """Return a model's gains at a sample period, None without any. Raises CallerError if what it keeps are no gains."""
     if not model.gains:
         return None
     gains = Gains.read(model.gains, "the gains kept in this model")
@@ -71,10 +67,7 @@ def gains_of(model: SensingModel, sample_period_s: float) -> Gains | None:
 
 
 def plant_at_period(plant: FeedforwardSettings, sample_period_s: float) -> FeedforwardSettings:
-    """Return a plant whose samples are further apart than those that it was found from: a later, slower loop.
-
-    It has the dead time of these samples and, by SIMC, tau_c no shorter than it; for faster ones it is unchanged.
-    """
+    """Return a plant at longer sample periods: with their dead time and, by SIMC, tau_c no shorter than it."""
     dead_s = DEAD_SAMPLES * sample_period_s
     if dead_s <= plant.dead_time_s:
         return plant

@@ -71,10 +71,7 @@ def cold_contraction_per_k(recording: Recording, moved: FloatArray) -> float | N
 
 
 def zero_of_room(model: SensingModel, known: Mapping[str, MetadataValue]) -> ZeroOfRoom | None:
-    """Return by how much strain from today's zero differs from the model's, since the room is another one.
-
-    None in the same room, if one of both temperatures is not known, and for force.
-    """
+    """Return the strain between today's zero and the model's by the room's temperature; None if the same or unknown."""
     fitted = RunFacts(model.wire, "this model")
     then_k, slope = fitted.number_or_none(ROOM), fitted.number_or_none(NOTE)
     today_k = RunFacts(known, "this rig").number_or_none("limit_ambient_temperature_k")

@@ -364,11 +364,7 @@ class MeasuredRows(NamedTuple):
 
 
 def measured_rows(recording: Recording) -> MeasuredRows:
-    """Return the rows of a recording in which its instruments of motion measured, and that nobody put between others.
-
-    What learns noise from neighbouring rows would take interpolated noise for a motion of the wire. Raises
-    RecordingError if most of what moved was not measured.
-    """
+    """Return which rows have measured motion, not interpolated. Raises RecordingError if those are the lesser part."""
     rows, n_times = asked_once(recording, rows_between_lines), len(recording)
     moved, said = asked_once(recording, judged_motion)
     if rows is None and moved.all():

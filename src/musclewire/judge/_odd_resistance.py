@@ -111,10 +111,7 @@ def steady_rows(time_s: FloatArray, drive_voltage_v: FloatArray) -> npt.NDArray[
 def jumps_in(
     resistance_ohm: FloatArray, rows: npt.NDArray[np.intp], limit_ohm: FloatArray
 ) -> tuple[npt.NDArray[np.intp], FloatArray]:
-    """Return at which of some rows a resistance has jumped up to stay, and by how much, (n_jumps,) each.
-
-    On both readings after the row it is higher than on both before it by more than it moves: a wire that moves goes on.
-    """
+    """Return where resistance has jumped up to stay, in two readings on each side, and by how much, (n_jumps,) each."""
     before = [resistance_ohm[rows - back] for back in (2, 1)]
     after = [resistance_ohm[rows + on] for on in (1, 2)]
     moving_ohm = np.maximum(np.maximum(before[1] - before[0], after[1] - after[0]), 0.0)

@@ -55,10 +55,7 @@ class CircuitReadings(NamedTuple):
 
 
 class JudgedRecording:
-    """A recording's electrical columns, and what follows from them, each worked out once.
-
-    Whatever does not follow raises RecordingError.
-    """
+    """A recording's electrical columns, and what follows from them; RecordingError for what does not follow."""
 
     def __init__(self, recording: Recording) -> None:
         """Work nothing out yet."""

@@ -86,10 +86,7 @@ def template_text(name: str) -> str:
 
 
 def page(template: str, **values: object) -> str:
-    """Return a template ("PACKAGE/FILE", extending "musclewire.pages/base.html") filled with values.
-
-    Text is escaped, markup is not. Raises jinja2.UndefinedError if the template has a name that has no value.
-    """
+    """Return a template ("PACKAGE/FILE") filled with escaped values. Raises jinja2.UndefinedError if one is missing."""
     return environment().get_template(template).render(values)
 
 

@@ -72,10 +72,7 @@ class ReplayConfiguration(DeviceConfiguration):
 
 
 class ReplayDevice:
-    """Returns the samples of a recording in their order; a drive only decides whether they still apply.
-
-    A replay heats nothing: samples are no response to a drive that differs from the recorded one.
-    """
+    """Returns a recording's samples in order and heats nothing; a drive only decides whether they still apply."""
 
     def __init__(self, configuration: ReplayConfiguration) -> None:
         """Read the recording and its rig's limits. Raises RecordingError if either cannot be read."""

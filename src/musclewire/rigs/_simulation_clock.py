@@ -11,11 +11,7 @@ MAXIMUM_SPEED = 1000.0  # times real time: no machine computes a faster one
 
 
 class SimulationClock:
-    """What paces a simulated rig's samples, at a speed that may change while they are taken.
-
-    At real time a host that comes late is reported, as hardware does. At any other speed the wire waits for its host:
-    samples that cannot be computed so fast come as fast as they can.
-    """
+    """Paces a simulated rig at a changeable speed; only at real time is a late host reported, as hardware does."""
 
     def __init__(self, sample_period_s: float) -> None:
         """Pace in real time from the first sample on."""

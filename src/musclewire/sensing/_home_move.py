@@ -20,33 +20,60 @@ class HomeMove:
     """What one home move found, as the model's file keeps it.
 
     The resistance of today is ``resistance_scale`` times that of the characterization, plus ``resistance_offset_ohm``;
-    both are counted from the characterization, however many home moves came between. Raises CallerError for a number
-    that is not finite, or a negative standard deviation or drift.
+    both are counted from the characterization, however many home moves came between.
+
+    Parameters
+    ----------
+    time
+        When, in ISO 8601 with the time zone.
+    moves
+        How many home moves there were since the characterization, this one included.
+    cycles
+        Cycles that the wire has made since the characterization, if they were counted.
+    load_n
+        Force of the cold wire that was assumed [N]; None if neither rig nor model states it.
+    ambient_k
+        Temperature of the air [K], measured; None without a thermometer.
+    corrected
+        Whether the model's resistances were changed; False if the evidence did not support a correction.
+    resistance_scale, resistance_scale_std
+        Factor of the resistance, and its standard deviation.
+    resistance_offset_ohm, resistance_offset_std_ohm
+        Offset of the resistance [ohm], as of longer leads, and its standard deviation [ohm].
+    transformation_shift_k, transformation_shift_std_k
+        Shift of the transformation temperatures [K], and its standard deviation [K], wide without a thermometer.
+    convection_ratio, convection_ratio_std
+        Heat loss to the air, over that at the characterization, and its standard deviation.
+    drift_resistance_ohm
+        Drift of the resistance [ohm] that is allowed for since then, as a standard deviation.
+    drift_source
+        Why so much.
+
+    Raises
+    ------
+    CallerError
+        For a number that is not finite, or a negative standard deviation or drift.
     """
 
     # How a model file is checked against these fields.
     __pydantic_config__: ClassVar[dict[str, object]] = {"extra": "forbid", "strict": True}
 
-    time: str  # when, in ISO 8601 with the time zone
-    moves: int  # how many home moves there were since the characterization, this one included
-    cycles: float | None  # cycles that the wire has made since the characterization, if they were counted
-    load_n: float | None  # force of the cold wire that was assumed; None if neither rig nor model states it
-    ambient_k: float | None  # temperature of the air, measured; None without a thermometer
-    corrected: bool  # whether the model's resistances were changed; False if the evidence did not support a correction
-    # Factor of the resistance, and its standard deviation.
+    time: str
+    moves: int
+    cycles: float | None
+    load_n: float | None
+    ambient_k: float | None
+    corrected: bool
     resistance_scale: float
     resistance_scale_std: float
-    # Offset of the resistance [ohm], as of longer leads, and its standard deviation [ohm].
     resistance_offset_ohm: float
     resistance_offset_std_ohm: float
-    # Shift of the transformation temperatures [K], and its standard deviation [K], wide without a thermometer.
     transformation_shift_k: float
     transformation_shift_std_k: float
-    # Heat loss to the air, over that at the characterization, and its standard deviation.
     convection_ratio: float
     convection_ratio_std: float
-    drift_resistance_ohm: float  # drift of the resistance that is allowed for since then, as a standard deviation
-    drift_source: str = DRIFT_SOURCE  # why so much
+    drift_resistance_ohm: float
+    drift_source: str = DRIFT_SOURCE
 
     def __post_init__(self) -> None:
         """Check the numbers."""

@@ -21,10 +21,7 @@ TURNING_M = 85e-6
 
 @dataclass(frozen=True)
 class KnownSpring:
-    """A spring pulled by the wire, and the friction of the guide, both known beforehand.
-
-    Raises CallerError for a stiffness or turning travel not above 0, or a negative friction.
-    """
+    """A spring pulled by the wire, and the guide's friction. Raises CallerError for impossible numbers."""
 
     stiffness_n_per_m: float
     friction_n: float = 0.0

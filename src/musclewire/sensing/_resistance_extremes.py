@@ -117,10 +117,7 @@ def _heating(
 
 
 def readings_first(usable: int, samples: int) -> str:
-    """Return advice on the readings if a part cannot be used, "" if they are sound.
-
-    As long as readings are missing, nothing is known that more drive would mend.
-    """
+    """Return advice on unusable readings, "" if sound: while they are missing, no more drive is known to help."""
     if usable > (1.0 - MAX_LEFT_OUT) * samples:
         return ""
     return f"{samples - usable} of {samples} samples cannot be used, mend the readings first"

@@ -253,10 +253,7 @@ def _check_fall(curves: SmoothedRecording, quantity: str, left_out: str) -> None
 
 
 def _middle_trend(strain: FloatArray, resistance: FloatArray) -> tuple[float, float]:
-    """Return correlation of strain and resistance, and change of resistance, between 15 and 85 % of the stroke.
-
-    Both are of means over slices of strain, so that a dwell has no more weight than a fast pass.
-    """
+    """Return correlation of strain and resistance, and resistance's change, by means over 15 to 85 % of the stroke."""
     fraction = (strain - strain.min()) / np.ptp(strain)
     slices = np.floor((fraction - 0.15) / 0.7 * 20).astype(np.intp)
     inside = (slices >= 0) & (slices < 20)

@@ -65,10 +65,7 @@ def centred_mean(values: FloatArray, samples: int) -> FloatArray:
 
 
 def smooth(values: FloatArray, window: int) -> FloatArray:
-    """Replace each sample by a local parabola's value (Savitzky-Golay of order 2, no phase shift).
-
-    The first and last half window are taken from one parabola each.
-    """
+    """Replace samples by local parabolas' values (Savitzky-Golay), at each end by one parabola of half a window."""
     if window == 1 or values.size < window:
         return values
     half = window // 2

@@ -79,10 +79,7 @@ class Half(NamedTuple):
 
 
 def wire_model_of(model: FittedCurve) -> WireModel:
-    """Return the model of a wire that its fit found, or that its slow loop shows.
-
-    Raises CallerError for a model without a slow loop, or with one that does not go through B to C.
-    """
+    """Return a model's wire, from its fit or slow loop. Raises CallerError without a slow loop through B to C."""
     return model.wire_model if model.wire_model and model.slow_loop else found_wire_model(model)
 
 

@@ -35,29 +35,47 @@ class WireNumber:
 
 @dataclass(frozen=True)
 class WireModel:
-    """What a slow loop shows of a wire besides its resistance curve."""
+    """What a slow loop shows of a wire besides its resistance curve.
 
-    # The place v of the first row of the tables, and the distance of two rows: v is the quantity over its largest value
-    # from B on, and less than at B before it.
+    Parameters
+    ----------
+    first_place, place_spacing
+        The place v of the first row of the tables, and the distance of two rows: v is the quantity over its largest
+        value from B on, and less than at B before it.
+    heating_power_w, cooling_power_w
+        Power [W] that holds each place on both branches, (n_places,); both rise.
+    heating_resistance, cooling_resistance
+        Normalised resistance of each place on both branches, (n_places,).
+    time_constant_s
+        Heat capacity over heat loss [s].
+    heat_j_per_unit
+        Heat [J] of the transformation for one unit of the quantity.
+    resistance_noise_ohm
+        Noise [ohm] of a reading.
+    sensed_from
+        The place of B, from which on resistance shows the quantity.
+    phase_resistance
+        By how much the cooling branch's resistance at one place and temperature is above the heating branch's: the
+        difference of both, and what the cold wire's resistance rises by with the power between them.
+    minor_loops
+        The law of minor loops: 0 where the wire rests until its power meets the other branch (a play), 1 where it goes
+        along a copy of that branch scaled to where it turned, between them a part of the way.
+    lowest_power_w, highest_power_w
+        The range of power [W] that the loop covers, on heating.
+    """
+
     first_place: float
     place_spacing: float
-    # Power [W] that holds each place on both branches, (n_places,); both rise.
     heating_power_w: Table
     cooling_power_w: Table
-    # Normalised resistance of each place on both branches, (n_places,).
     heating_resistance: Table
     cooling_resistance: Table
-    time_constant_s: WireNumber  # heat capacity over heat loss
-    heat_j_per_unit: WireNumber  # heat [J] of the transformation for one unit of the quantity
-    resistance_noise_ohm: WireNumber  # noise of a reading
-    sensed_from: WireNumber  # the place of B, from which on resistance shows the quantity
-    # By how much the cooling branch's resistance at one place and temperature is above the heating branch's: the
-    # difference of both, and what the cold wire's resistance rises by with the power between them.
+    time_constant_s: WireNumber
+    heat_j_per_unit: WireNumber
+    resistance_noise_ohm: WireNumber
+    sensed_from: WireNumber
     phase_resistance: WireNumber
-    # The law of minor loops: 0 where the wire rests until its power meets the other branch (a play), 1 where it goes
-    # along a copy of that branch scaled to where it turned, between them a part of the way.
     minor_loops: WireNumber
-    # The range of power [W] that the loop covers, on heating.
     lowest_power_w: WireNumber
     highest_power_w: WireNumber
 

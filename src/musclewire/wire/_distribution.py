@@ -109,10 +109,7 @@ def signed_power_distribution(skew: float, tail: float) -> OffsetDistribution:
 def two_populations(
     normal_quantile: FloatArray, skew: float, tail: float, early_fraction: float, early_width: float
 ) -> FloatArray:
-    """Return :func:`signed_power` with the lowest grains, the first to transform on heating, spread evenly below.
-
-    ``early_fraction`` is 0 to below 1, ``early_width`` in units of the spread, above 0.
-    """
+    """Return :func:`signed_power`, below it the ``early_fraction`` of the grains spread evenly over ``early_width``."""
     require_early_population(early_fraction, early_width)
     z = np.asarray(normal_quantile, dtype=np.float64)
     offset = signed_power(np.maximum(z, ndtri(early_fraction)), skew, tail)

@@ -75,10 +75,7 @@ def require_calibrated_kind(rig: str) -> None:
 
 
 def write_calibration(path: Path, found: Sequence[ChannelCalibration]) -> Path:
-    """Write a calibration into a rig file, whole or not at all, and return its path.
-
-    Raises CallerError if the file cannot be written or would no longer be a rig file.
-    """
+    """Write a calibration into a rig file, whole or not at all. Raises CallerError if that cannot be done."""
     text = with_calibration(read_small(path, "rig file"), found, str(path))
 
     def checked(temporary: Path) -> None:

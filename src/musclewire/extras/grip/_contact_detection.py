@@ -55,18 +55,39 @@ NO_FLOATS = np.empty(0)
 class FreeClosing:
     """Power and energy of a closing without an object over normalised resistance; coefficients are of ascending powers.
 
-    Raises CallerError for numbers that cannot be.
+    Parameters
+    ----------
+    resistance_min_ohm
+        Resistance at C, normalised 0 [ohm].
+    resistance_max_ohm
+        Resistance at B, normalised 1 [ohm].
+    holding_power_w
+        Theta: power that holds all wires of the circuit at a place [W].
+    closing_energy_j
+        m: their energy over normalised resistance [J].
+    normalised_min
+        Least normalised resistance at which both hold.
+    normalised_max
+        Greatest normalised resistance at which both hold.
+    normalised_noise
+        Standard deviation of one sample's normalised resistance, with what theta and m leave unexplained.
+    thermal_time_s
+        Time constant of the wires in air [s].
+
+    Raises
+    ------
+    CallerError
+        For numbers that cannot be.
     """
 
-    resistance_min_ohm: float  # resistance at C, normalised 0
-    resistance_max_ohm: float  # resistance at B, normalised 1
-    holding_power_w: tuple[float, ...]  # theta: power that holds all wires of the circuit at a place
-    closing_energy_j: tuple[float, ...]  # m: their energy over normalised resistance
-    normalised_min: float  # least normalised resistance at which both hold
-    normalised_max: float  # greatest normalised resistance at which both hold
-    # Standard deviation of one sample's normalised resistance, with what theta and m leave unexplained.
+    resistance_min_ohm: float
+    resistance_max_ohm: float
+    holding_power_w: tuple[float, ...]
+    closing_energy_j: tuple[float, ...]
+    normalised_min: float
+    normalised_max: float
     normalised_noise: float
-    thermal_time_s: float  # time constant of the wires in air
+    thermal_time_s: float
 
     def __post_init__(self) -> None:
         """Check the numbers that divide or are integrated later."""

@@ -39,18 +39,39 @@ AVERAGED_SAMPLES = 3
 class GripCurve:
     """Travel and compliance of fingers over normalised resistance; coefficients are of ascending powers.
 
-    Raises CallerError for compliances below 0, no finger, or no power per newton.
+    Parameters
+    ----------
+    fingers
+        Number of fingers.
+    endpoint_m
+        One free finger's endpoint on heating [m].
+    leverage
+        Its e': travel of the endpoint over travel of the tendon.
+    finger_compliance_m_per_n
+        Compliance of a finger at its endpoint [m/N].
+    wire_compliance_m_per_n
+        Compliance of a wire at its tendon [m/N].
+    power_per_newton_w
+        Holding power per newton at one tendon, of all wires of the circuit together [W].
+    normalised_min
+        Least normalised resistance at which it holds.
+    normalised_max
+        Greatest normalised resistance at which it holds.
+
+    Raises
+    ------
+    CallerError
+        For compliances below 0, no finger, or no power per newton.
     """
 
-    fingers: int  # number of fingers
-    endpoint_m: tuple[float, ...]  # one free finger's endpoint on heating
-    leverage: tuple[float, ...]  # its e': travel of the endpoint over travel of the tendon
-    finger_compliance_m_per_n: float  # compliance of a finger at its endpoint
-    wire_compliance_m_per_n: float  # compliance of a wire at its tendon
-    # Holding power per newton at one tendon, of all wires of the circuit together.
+    fingers: int
+    endpoint_m: tuple[float, ...]
+    leverage: tuple[float, ...]
+    finger_compliance_m_per_n: float
+    wire_compliance_m_per_n: float
     power_per_newton_w: tuple[float, ...]
-    normalised_min: float  # least normalised resistance at which it holds
-    normalised_max: float  # greatest normalised resistance at which it holds
+    normalised_min: float
+    normalised_max: float
 
     def __post_init__(self) -> None:
         """Check the numbers that divide later."""

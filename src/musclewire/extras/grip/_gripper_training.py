@@ -51,14 +51,30 @@ SHOWN = {
 
 @dataclass(frozen=True)
 class Gripper:
-    """Identity of the gripper that was trained; None for what a rig does not state."""
+    """Identity of the gripper that was trained; None for what a rig does not state.
 
-    wire: str | None  # name of the wire
-    leg_length_m: float | None  # length of a leg of the wire
-    finger: str | None  # name of the finger
-    finger_stiffness_n_per_m: float | None  # stiffness of a finger along its tendon
-    fingers: int  # number of fingers
-    pretension_n: float | None  # pretension of the wire
+    Parameters
+    ----------
+    wire
+        Name of the wire.
+    leg_length_m
+        Length of a leg of the wire [m].
+    finger
+        Name of the finger.
+    finger_stiffness_n_per_m
+        Stiffness of a finger along its tendon [N/m].
+    fingers
+        Number of fingers.
+    pretension_n
+        Pretension of the wire [N].
+    """
+
+    wire: str | None
+    leg_length_m: float | None
+    finger: str | None
+    finger_stiffness_n_per_m: float | None
+    fingers: int
+    pretension_n: float | None
 
     def require_same(self, other: Gripper) -> None:
         """Raise CallerError if the other gripper is known to differ; measured numbers may differ by 1 %."""

@@ -136,10 +136,7 @@ def has_levelled(power_w: FloatArray, resistance_ohm: FloatArray, fraction: floa
 
 
 def shows_c(recording: Recording) -> bool | None:
-    """Return whether a slow loop's last cycle shows C: resistance rises again or has levelled off at the hottest.
-
-    None if the recording shows no transformation or no power.
-    """
+    """Return whether the last cycle's resistance rises again or levels off; None without transformation or power."""
     if "cycle" not in recording or "wire_voltage_v" not in recording:
         return None
     try:

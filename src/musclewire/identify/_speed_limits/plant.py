@@ -109,10 +109,7 @@ def plant_of_gains(settings: FeedforwardSettings, facts: RunFacts) -> SpeedPlant
 
 
 def plant_of_model(model: SensingModel, facts: RunFacts) -> SpeedPlant:
-    """Return the plant that a model states, in the circuit of a rig.
-
-    Raises RecordingError for a model without the power through its loop, and for unstated limits.
-    """
+    """Return a model's plant in a rig's circuit. Raises RecordingError without the loop's power or the rig's limits."""
     try:
         wire = wire_model_of(model)
     except CallerError:

@@ -57,10 +57,7 @@ def warming_s(plant: SpeedPlant, dead_time_s: float) -> float:
 
 
 def min_errors_pct(plant: SpeedPlant, steps: Staircase, sample_period_s: float, dead_time_s: float) -> FloatArray:
-    """Return the least error (Eq. 7) of each step by the supply alone, from cold [% of the target], (n_steps,).
-
-    Being above a target counts for nothing: cooling is not the supply's.
-    """
+    """Return the least error (Eq. 7) of each step below its target by the supply alone, from cold [%], (n_steps,)."""
     times_s = sample_period_s * np.arange(1, round(steps.duration_s / sample_period_s) + 1)
     targets = steps.targets_at(times_s - sample_period_s)
     warms = int(min(math.ceil(min(warming_s(plant, dead_time_s), steps.duration_s) / sample_period_s), len(targets)))
