@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import csv
 import functools
+import itertools
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._number_style import NumberStyle, is_missing, looks_numeric, number_and_unit, style_of
@@ -25,24 +26,24 @@ SEPARATOR_WORDS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "bars", 
 _SEPARATORS = ("\t", ";", "|", ",", " ")
 _SAMPLE_LINES = 400  # the last ones at hand show the separator, whatever titles are above
 _MAX_COLUMNS = 4096  # no recording has as many; text with many separators may
-_MAX_UNIT_LENGTH = 16  # characters: longer text among the cells is a remark
 _MIN_SCORE_OF_TABS = 0.3  # of 1: so small a part of numbers, with tabs, is a table in which much is text
 # What a cell is. Columns of these three are measured; what is "text" or "blank" in most cells is not.
 COUNTED = frozenset({"numbers", "quantities", "times"})
 _RULE = re.compile(r"[-=_+|,;\t ]*[-=_]{2,}[-=_+|,;\t ]*")
 _MAX_TITLE_LENGTH = 200  # characters: a longer line with a colon is prose, not a fact
 # The header of a column that holds the units of the one before, "#5" without a header.
-_OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
+OF_UNITS = re.compile(r"units?|einheit(?:en)?|#\d+", re.IGNORECASE)
 _BLANKS = re.compile(r'(?<=")[^"]*(?="(?:\s|$))|[^\s"]+')
 _SPACED_HEADER = re.compile(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?")
 _BRACKETED = re.compile(r"\s*[\[(<{](.*)[\])>}]\s*")
 _BRACKETED_END = re.compile(r"[\[(]([^\[\]()]*)[\])]\s*$")
-# Words of two groups of columns next to each other.
-_BRANCHES = re.compile(r"heat|cool|aufheiz|abkühl|erwärm|load|forward|reverse|up\b|down\b", re.IGNORECASE)
 _UNIT_WORD = re.compile(
     r"(?:^|[\W_]|(?<=[a-z])(?=U)|(?<=^[A-Z])(?=U))(?:units?|einheit(?:en)?)(?:$|[\W_])", re.IGNORECASE
 )
 _AXIS = re.compile(r"(?:[vhxy]|vertical|horizontal|data|axis|\W)*", re.IGNORECASE)
+_OF = re.compile(r"\b(?:of|von)\s")
+_SIGNS = " .:;,_-[]()"  # around a name
+_TIME = re.compile(r"(?:x|x-axis|time\w*|t|source)(?:\W.*)?", re.IGNORECASE)
 _SOURCE = re.compile(r"source|channel|trace ?name|signal", re.IGNORECASE)
 _ACROSS = re.compile(r"^(?:h|x|horizontal)(?:$|[\W_]|(?=[A-Z]))|time|horizontal", re.IGNORECASE)
 
@@ -75,7 +76,12 @@ class TextLayout:
     @property
     def counted(self) -> tuple[int, ...]:
         """The columns that hold numbers or times."""
-        return tuple(index for index, kind in enumerate(self.kinds) if kind in COUNTED)
+        return counted_of(self.kinds)
+
+
+def counted_of(kinds: Sequence[str]) -> tuple[int, ...]:
+    """Return the columns of numbers or times among columns of these kinds."""
+    return tuple(index for index, kind in enumerate(kinds) if kind in COUNTED)
 
 
 def split_lines(lines: Sequence[str], separator: str) -> list[list[str]]:
@@ -113,28 +119,41 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
         separator = separator_of([text for _, text in lines[-_SAMPLE_LINES:]])
     rows = split_lines([text for _, text in lines], separator)
     width, kinds = _columns_of(rows)
-    counted = [index for index, kind in enumerate(kinds) if kind in COUNTED]
+    counted = counted_of(kinds)
     if not counted:
         raise RecordingError(f"{path}: has no rows of numbers below its headers; a recording needs 2 or more")
     start = next((index for index, row in enumerate(rows) if _is_first(row, width, kinds)), len(rows))
-    above = [(text, row) for (_, text), row in zip(lines[:start], rows, strict=False) if not _RULE.fullmatch(text)]
-    left = [index for index, kind in enumerate(kinds) if kind == "beside"]
-    beside = [[row[i] for i in left if i < len(row) and row[i].strip()] for row in rows[start:]]
-    head = _Head(above, comments, separator, width, kinds, path, [row for row in beside if row])
-    if head.used and len(head.names) < width and not head.is_short_by_blanks(rows[start:]):
-        raise RecordingError(_too_wide(path, lines[start], separator, len(head.names)))
-    count = max(width, len(head.names))
+    body = rows[start:]
+    texts = [text for _, text in lines[:start]]
+    above = [list(map(_one_line, row)) for row, text in zip(rows, texts, strict=False) if not _RULE.fullmatch(text)]
+    if separator == " " and above and len(above[-1]) != width:
+        above[-1] = spaced_headers(texts[-1], width)
+        if not above[-1]:
+            cure = "separate columns with commas or tabs"
+            raise RecordingError(f"{path}: the headers do not fit the {width} numbers below them; {cure}")
+    head = _head_of(above, width, kinds)
+    # Of words with blanks between them only the signs separate a name from its value.
+    remarks = [[" ".join(row)] if separator == " " else row for row in above[: len(above) - head.line_count]]
+    beside = [[row[i] for i, kind in enumerate(kinds) if kind == "beside" and i < len(row)] for row in body]
+    said = [*([comment] for comment in comments), *remarks, *(list(filter(str.strip, row)) for row in beside)]
+    names = head.names or _commented_headers(comments, separator, width)
+    if not names and any(map(any, beside)):
+        # Settings to the left of the rows name the only channel; what it was recorded over comes first.
+        source = next((row[1] for row in said if len(row) > 1 and _SOURCE.fullmatch(row[0])), "CH1")
+        of_counted = dict(zip(counted, ("Time", source), strict=False))
+        names = [of_counted.get(index, "") for index in range(width)]
+    if head.line_count and any(cell.strip() for row in body for cell in row[len(names) : width]):
+        raise RecordingError(_too_wide(path, lines[start], separator, len(names)))
+    count = max(width, len(names))
     if count > _MAX_COLUMNS:
         raise RecordingError(f"{path}: has {count:,} columns; export only those that are needed")
-    names = [head.names[index] if index < len(head.names) else "" for index in range(count)]
-    units = [head.units.get(index) for index in range(count)]
-    for name, unit in zip(names, units, strict=True):
-        stated = _BRACKETED_END.search(name)
-        if unit and stated and is_unit(stated[1]) and scale_between(unit, stated[1]) not in (1.0, None):
-            said = f"column '{name}' states {stated[1]}, and apart from it the file states {unit}"
-            raise RecordingError(f"{path}: {said}: correct one of the two, or map it with the unit that is right")
-    body = [row for row in rows[start:] if conforms(row, counted)]
-    styles = [style_of((number_and_unit(row[i]) or (row[i],))[0] for row in body if i < len(row)) for i in range(count)]
+    names = [*names, *[""] * (count - len(names))]
+    stated = {**_stated_units(said, names, counted), **head.units}
+    units = [stated.get(index) for index in range(count)]
+    _check_units(names, units, path)
+    like = [row for row in body if conforms(row, counted)]
+    styles = [style_of((number_and_unit(row[i]) or (row[i],))[0] for row in like if i < len(row)) for i in range(count)]
+    titles = len(above) - head.line_count
     return TextLayout(
         separator,
         tuple(name or f"#{index + 1}" for index, name in enumerate(names)),
@@ -142,11 +161,20 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
         (*kinds, *["blank"] * (count - width)),
         _agreeing(styles),
         lines[start][0] if start < len(lines) else lines[-1][0] + 1,
-        len(above) - head.used,
+        titles,
         # Settings for each channel stand in for names.
-        frozenset(text for text, _ in above[len(above) - head.used if head.used else 0 :]),
-        head.metadata,
+        frozenset(texts[titles if head.line_count else 0 :]),
+        {**_metadata_of(said, separator), **head.settings},
     )
+
+
+def _check_units(names: Sequence[str], units: Sequence[str | None], path: str) -> None:
+    """Raise RecordingError if a name states another unit than the file does apart from it."""
+    for name, unit in zip(names, units, strict=True):
+        stated = _BRACKETED_END.search(name)
+        if unit and stated and is_unit(stated[1]) and scale_between(unit, stated[1]) not in (1.0, None):
+            said = f"column '{name}' states {stated[1]}, and apart from it the file states {unit}"
+            raise RecordingError(f"{path}: {said}: correct one of the two, or map it with the unit that is right")
 
 
 def _agreeing(styles: Sequence[NumberStyle]) -> tuple[NumberStyle, ...]:
@@ -175,11 +203,8 @@ def _score(sample: Sequence[str], separator: str) -> tuple[bool, float]:
     rows = split_lines(sample, separator)
     width, kinds = _columns_of(rows)
     like = [row for row in rows if len(row) == width and _counted(row)]
-    cells = sum(len(row) for row in like)
-    units = sum(
-        len(cell) < _MAX_UNIT_LENGTH and kind_of(cell) == "text" and is_unit(cell) for row in like for cell in row
-    )
-    fraction = (sum(map(_counted, like)) + units) / cells if cells else 0.0
+    cells = sum(map(len, like))
+    fraction = sum(map(_counted, like)) / cells if cells else 0.0
     return width > 1 and bool(COUNTED & set(kinds)), round(fraction * len(like) / len(rows), 3)
 
 
@@ -225,7 +250,7 @@ def _is_first(row: Sequence[str], width: int, kinds: Sequence[str]) -> bool:
     """Return whether a line is a whole row of the table and not a header or title."""
     if len(row) < width or (kinds[0] == "blank" and row[0].strip()):
         return False
-    counted = [index for index, kind in enumerate(kinds) if kind in COUNTED]
+    counted = counted_of(kinds)
     return conforms(row, counted) and kind_of(row[counted[0]]) in COUNTED
 
 
@@ -236,146 +261,91 @@ def conforms(row: Sequence[str], counted: Sequence[int]) -> bool:
     return bool(good) and 2 * (good + kinds.count("blank")) >= len(kinds)
 
 
-class _Head:
-    """What stands above the rows: names, units below them or stated of them, remarks as metadata."""
+class _Head(NamedTuple):
+    """What the lines right above the rows say: names and units of columns, and settings in columns of their own."""
 
-    def __init__(
-        self,
-        above: Sequence[tuple[str, list[str]]],
-        comments: Sequence[str],
-        separator: str,
-        width: int,
-        kinds: Sequence[str],
-        path: str,
-        beside: Sequence[Sequence[str]] = (),
-    ) -> None:
-        self._width, self._counted = width, [i for i, kind in enumerate(kinds) if kind in COUNTED]
-        # Above rows that begin with a blank stand settings with a value for each channel, or a single line of names.
-        self._begins_blank = kinds[0] == "blank" and sum(len(row) == width and all(row) for _, row in above) > 1
-        self._separator = separator
-        self.names: list[str] = []
-        self.units: dict[int, str] = {}
-        self.used = 0
-        lines = [(text, [_one_line(cell) for cell in row]) for text, row in above]
-        if separator == " " and lines and len(lines[-1][1]) != width:
-            lines[-1] = (lines[-1][0], spaced_headers(lines[-1][0], width, path))
-        while self.used < len(lines) and not any(lines[-1 - self.used][1]):
-            self.used += 1
-        rest = lines[: len(lines) - self.used]
-        stated: dict[str, MetadataValue] = {}
-        if not self._take_rows(rest, stated):
-            self.used = 0
-            self._take_lines_of_channels([row for _, row in rest])
-            if not self.names:
-                self.names = list(_commented_headers(comments, separator, width, path))
-        remarks = rest[: len(lines) - self.used]
-        entries = [*(metadata_of(comments, " ").items()), *(metadata_of([t for t, _ in remarks], separator).items())]
-        self.metadata = {**dict(entries), **stated}
-        # Of words with blanks between them only the signs separate a name from its value.
-        cells = ([text] if separator == " " else row for text, row in remarks)
-        stated_rows = [*([comment] for comment in comments), *cells, *beside]
-        if beside and not self.names:
-            # Settings to the left of the rows name the only channel; what it was recorded over comes first.
-            source = next((row[1] for row in beside if len(row) > 1 and _SOURCE.fullmatch(row[0])), "CH1")
-            self.names = [""] * width
-            for index, name in zip(self._counted, ("Time", source), strict=False):
-                self.names[index] = name
-            self.metadata |= metadata_of([separator.join(row) for row in beside], separator)
-        self._take_stated_units(stated_rows)
+    names: Sequence[str] = ()
+    units: Mapping[int, str] = {}
+    settings: Mapping[str, MetadataValue] = {}
+    line_count: int = 0
 
-    def is_short_by_blanks(self, rows: Sequence[Sequence[str]]) -> bool:
-        """Return whether the rows only have separators behind the last column with a name."""
-        count = len(self.names)
-        return all(not any(cell.strip() for cell in row[count:]) for row in rows)
 
-    def _take_rows(self, lines: Sequence[tuple[str, list[str]]], stated: dict[str, MetadataValue]) -> bool:
-        """Take the names, the units below them, and the names of groups above them; False if no line is names."""
-        rows = [row for _, row in lines]
-        below = len(rows) > 1 and self._are_units(rows[-1])
-        below = below and self._may_be_names(rows[-2]) and not self._are_units(rows[-2])
-        if not rows or not (below or self._may_be_names(rows[-1])):
-            return False
-        used = 1
-        if below:
-            self.units = {i: _bare(cell) for i, cell in enumerate(rows[-1]) if _is_unit_cell(cell)}
-            # A scope writes its settings once, in columns of their own that have no cells in its rows.
-            names_above = rows[-2]
-            for index, (name, cell) in enumerate(zip(rows[-2], rows[-1], strict=False)):
-                entry = entry_from_text(name, cell) if index not in self._counted and looks_numeric(cell) else None
-                if entry is not None:
-                    stated.update([entry])
-                    names_above[index] = ""
-            rows, used = rows[:-1], 2
-        names: list[list[str]] = [list(rows[-1])]
-        if len(rows) > 1 and _are_groups(rows[-2], rows[-1]):
-            names, used = [_spread(rows[-2], len(rows[-1])), rows[-1]], used + 1
-        self.names = list(joined_headers(names))
-        for index, name in enumerate(self.names):
-            if (pair := _assignment(name)) is not None and index not in self._counted:
-                stated.update([pair])
-                self.names[index] = ""
-        kept = max([i for i, name in enumerate(self.names) if name and i < max(self._width, 1)], default=-1)
-        if stated:
-            self.names = self.names[: max(kept + 1, self._width)]
-        self.used += used
-        return True
+def _head_of(rows: Sequence[list[str]], width: int, kinds: Sequence[str]) -> _Head:
+    """Return what the last of the rows of cells above the table say: blank ones, units, names and groups of them."""
+    counted, lines = counted_of(kinds), list(rows)
+    if of_channels := _settings_of_channels(rows, width, kinds):
+        each = [row[1:] for row in of_channels if not _are_units(row, counted)]
+        texts = (row for row in each if len(set(row)) == len(row) and {*map(kind_of, row)} == {"text"})
+        name_row = next(texts, None)
+        return _Head() if name_row is None else _Head(["", *name_row])
+    while lines and not any(lines[-1]):
+        lines.pop()
+    units: list[str] = []
+    if len(lines) > 1 and _are_units(lines[-1], counted) and _may_be_names(lines[-2], width):
+        units = lines.pop() if not _are_units(lines[-2], counted) else []
+    if not lines or not _may_be_names(lines[-1], width):
+        return _Head()
+    names = lines.pop()
+    settings: dict[str, MetadataValue] = {}
+    for index, (name, below) in enumerate(itertools.zip_longest(names, units[: len(names)], fillvalue="")):
+        # A scope writes its settings once, in columns of their own that have no cells in its rows.
+        entry = _assignment(name) or (entry_from_text(name, below) if looks_numeric(below) else None)
+        if entry is not None and index not in counted:
+            settings.update([entry])
+            names[index] = ""
+    if lines and _are_groups(lines[-1], names):
+        group, upper = "", lines.pop()
+        for index, (cell, name) in enumerate(zip(upper + [""] * len(names), list(names), strict=False)):
+            # A blank cell repeats the name to its left, as a merged cell means it.
+            group = cell or group
+            names[index] = f"{group} {name}".strip()
+    while names and not names[-1]:
+        names.pop()
+    of_cells = {index: _bare(cell) for index, cell in enumerate(units) if _is_unit_cell(cell)}
+    return _Head(names[: width if settings else None], of_cells, settings, len(rows) - len(lines))
 
-    def _may_be_names(self, row: Sequence[str]) -> bool:
-        """Return whether a row may be headers and not a title or a setting, which fill only its first cells."""
-        filled = sum(bool(cell) for cell in row)
-        settings = len(row) and filled <= 2 < self._width and (row[0].endswith(":") or _assignment(row[0]))
-        return filled >= max(1, (self._width + 1) // 2) and not settings and not self._is_of_channels(row)
 
-    def _is_of_channels(self, row: Sequence[str]) -> bool:
-        """Return whether a row is a setting with its value for each channel, above rows that begin with a blank."""
-        of_settings = self._begins_blank and len(self._counted) == self._width - 1
-        return of_settings and len(row) == self._width and all(row)
+def _settings_of_channels(rows: Sequence[list[str]], width: int, kinds: Sequence[str]) -> list[list[str]]:
+    """Return the lines with a setting and its value for each channel, as a scope writes them above its rows, or none.
 
-    def _are_units(self, row: Sequence[str]) -> bool:
-        """Return whether at least half of the cells above numbers are units; what is beyond the rows does not count."""
-        filled = [row[i] for i in self._counted if i < len(row) and row[i]]
-        return bool(filled) and 2 * sum(map(_is_unit_cell, filled)) >= len(filled)
+    The rows below them begin with a blank; a single such line is names.
+    """
+    whole = [row for row in rows if len(row) == width and all(row)]
+    are_above = kinds[0] == "blank" and len(counted_of(kinds)) == width - 1 and rows and rows[-1] in whole
+    return whole if are_above and len(whole) > 1 else []
 
-    def _take_lines_of_channels(self, rows: Sequence[Sequence[str]]) -> None:
-        """Take names and units from settings with a value for each channel, as a scope writes them above its rows."""
-        count = len(self._counted)
-        each = [row for row in rows if len(row) > count and self._is_of_channels(row) and all(row[1 : count + 1])]
-        named = [row for row in each if all(kind_of(cell) == "text" for cell in row[1 : count + 1])]
-        named = [row for row in named if not _UNIT_WORD.search(row[0]) and not self._are_units(row)]
-        distinct = [row for row in named if len(set(row[1 : count + 1])) == count]
-        if distinct:
-            self.names = ["", *distinct[0][1 : count + 1]]
 
-    def _take_stated_units(self, rows: Sequence[Sequence[str]]) -> None:
-        """Take the units that lines above the table state of one column by its name, or of all in their order."""
-        for row in rows:
-            pair = _pair_of(row)
-            if pair is None or not _UNIT_WORD.search(pair[0]):
-                continue
-            key, values = pair[0], [value.rpartition(":")[2].strip() for value in pair[1]]
-            values = values[: next((i for i, value in enumerate(values) if not value), len(values))]
-            if not values or not all(map(is_unit, values)):
-                continue
-            others = [i for i in self._counted if self._named_time(i) == bool(_ACROSS.search(key))]
-            targets = [i for i in self._counted if self._is_named_in(i, key)] if len(values) == 1 else []
-            if not targets and len(values) == len(self._counted) and not _ACROSS.search(key):
-                targets = self._counted
-            elif not targets and len(values) <= len(others) and _AXIS.fullmatch(_UNIT_WORD.sub(" ", key).strip()):
-                targets = others
-            for index, unit in zip(targets, values, strict=False):
-                self.units.setdefault(index, unit)
+def _may_be_names(row: Sequence[str], width: int) -> bool:
+    """Return whether a row may be headers and not a title or a setting, which fill only its first cells."""
+    filled = sum(map(bool, row))
+    is_setting = 0 < filled <= 2 < width and (row[0].endswith(":") or _assignment(row[0]) is not None)
+    return filled >= max(1, (width + 1) // 2) and not is_setting
 
-    def _named_time(self, index: int) -> bool:
-        name = self.names[index] if index < len(self.names) else ""
-        return re.fullmatch(r"(?:x|x-axis|time\w*|t|source)(?:\W.*)?", name, re.IGNORECASE) is not None
 
-    def _is_named_in(self, index: int, key: str) -> bool:
-        name = self.names[index] if index < len(self.names) else ""
-        rest = _UNIT_WORD.sub(" ", key)
-        return (
-            bool(name)
-            and re.fullmatch(rf"\W*(?:of\s+|von\s+)?{re.escape(name)}\W*", rest.strip(), re.IGNORECASE) is not None
-        )
+def _are_units(row: Sequence[str], counted: Sequence[int]) -> bool:
+    """Return whether at least half of the cells above numbers are units; what is beyond the rows does not count."""
+    filled = [row[i] for i in counted if i < len(row) and row[i]]
+    return bool(filled) and 2 * sum(map(_is_unit_cell, filled)) >= len(filled)
+
+
+def _stated_units(rows: Sequence[Sequence[str]], names: Sequence[str], counted: Sequence[int]) -> dict[int, str]:
+    """Return the units that lines above the table state of one column by its name, or of all in their order."""
+    units: dict[int, str] = {}
+    for row in rows:
+        key, cells = _pair_of(row) or ("", [])
+        values = [*itertools.takewhile(bool, (cell.rpartition(":")[2].strip() for cell in cells))]
+        if not values or not _UNIT_WORD.search(key) or not all(map(is_unit, values)):
+            continue
+        of_what = _OF.sub("", _UNIT_WORD.sub(" ", key)).strip(_SIGNS).lower()
+        is_across = _ACROSS.search(key) is not None
+        columns = [i for i in counted if len(values) == 1 and of_what and names[i].strip(_SIGNS).lower() == of_what]
+        if not columns and len(values) == len(counted) and not is_across:
+            columns = [*counted]
+        elif not columns and _AXIS.fullmatch(of_what):
+            columns = [i for i in counted if (_TIME.fullmatch(names[i]) is not None) == is_across]
+        if len(values) <= len(columns):
+            units = {**dict(zip(columns, values, strict=False)), **units}
+    return units
 
 
 def _is_unit_cell(cell: str) -> bool:
@@ -392,57 +362,25 @@ def _one_line(cell: str) -> str:
     return " ".join("".join(letter if letter.isprintable() else " " for letter in cell).split())
 
 
-def joined_headers(rows: Sequence[Sequence[str]]) -> tuple[str, ...]:
-    """Return one header a column from the rows of headers, without blank ones at the end."""
-    count = max(map(len, rows), default=0)
-    cells = ([row[index] for row in rows if index < len(row)] for index in range(count))
-    headers = [" ".join(_one_line(cell) for cell in column if cell.strip()) for column in cells]
-    while headers and not headers[-1]:
-        headers.pop()
-    return tuple(headers)
-
-
-def spaced_headers(line: str, width: int, path: str) -> list[str]:
-    """Return headers that may contain spaces themselves ("Time [s]  Wire voltage [V]") as ``width`` cells."""
-    for headers in (_SPACED_HEADER.findall(line), re.split(r"\s{2,}", line.strip()), line.split()):
-        if len(headers) == width:
-            return headers
-    raise RecordingError(
-        f"{path}: the headers do not fit the {width} numbers below them; separate columns with commas or tabs"
-    )
+def spaced_headers(line: str, width: int) -> list[str]:
+    """Return headers that may contain spaces themselves ("Time [s]  Wire voltage [V]") as ``width`` cells, or none."""
+    ways = (_SPACED_HEADER.findall(line), re.split(r"\s{2,}", line.strip()))
+    return next((headers for headers in ways if len(headers) == width), [])
 
 
 def _are_groups(upper: Sequence[str], lower: Sequence[str]) -> bool:
     """Return whether a row names groups of the columns below: each begins a group, and names below are repeated."""
-    filled = [index for index, cell in enumerate(upper) if cell]
-    if any(kind_of(upper[index]) != "text" for index in filled):
-        return False
-    names = [name for name in lower if name and not _OF_UNITS.fullmatch(name)]
-    repeated = len(set(names)) < len(names)
-    named = sum(_BRANCHES.search(upper[index]) is not None for index in filled) > 1
-    return len(filled) > 1 and (repeated or named) and len(filled) <= len(lower)
+    filled = [cell for cell in upper if cell]
+    names = [name for name in lower if name and not OF_UNITS.fullmatch(name)]
+    return 1 < len(filled) <= len(lower) and len(set(names)) < len(names) and {*map(kind_of, filled)} == {"text"}
 
 
-def _spread(row: Sequence[str], count: int) -> list[str]:
-    """Return a row in which a blank cell repeats the name to its left, as a merged cell means it."""
-    spread: list[str] = []
-    for index in range(count):
-        cell = row[index] if index < len(row) else ""
-        spread.append(cell or (spread[-1] if spread else ""))
-    return spread
-
-
-def _commented_headers(comments: Sequence[str], separator: str, width: int, path: str) -> tuple[str, ...]:
+def _commented_headers(comments: Sequence[str], separator: str, width: int) -> list[str]:
     """Return the last comment as headers, as numpy.savetxt writes them, or none."""
     last = comments[-1] if comments else ""
-    if not last or "=" in last:
-        return ()
-    try:
-        headers = split_lines([last], separator)[0] if separator != " " else spaced_headers(last, width, path)
-    except RecordingError:
-        return ()
-    found = joined_headers([headers])
-    return found if len(found) == width and not all(map(looks_numeric, found)) else ()
+    headers = spaced_headers(last, width) if separator == " " else split_lines([last], separator)[0] if last else []
+    found = [_one_line(cell) for cell in headers]
+    return found if len(found) == width and "=" not in last and not all(map(looks_numeric, found)) else []
 
 
 def _too_wide(path: str, line: Line, separator: str, headers: int) -> str:
@@ -457,12 +395,12 @@ def too_wide(beginning: str, text: str, separator: str) -> str:
     return f"{beginning}; name every column, or put cells with {SEPARATOR_WORDS[separator]} in quotes"
 
 
-def metadata_of(texts: Sequence[str], separator: str) -> dict[str, MetadataValue]:
+def _metadata_of(rows: Sequence[Sequence[str]], separator: str) -> dict[str, MetadataValue]:
     """Return what lines above the table state as ``key = value`` or ``key: value``, or as two cells."""
     found: dict[str, MetadataValue] = {}
-    for text in texts:
-        row = [_one_line(cell) for cell in split_lines([text], separator)[0]] if separator != " " else [text]
-        pair = _assignment(text) if "=" in text else None
+    for row in rows:
+        text = separator.join(row)
+        pair = _assignment(text)
         if pair is None and (cells := _pair_of([cell for cell in row if cell])) is not None:
             pair = entry_from_text(cells[0], _common(cells[1]))
         if pair is not None and len(text) <= _MAX_TITLE_LENGTH:
@@ -495,17 +433,3 @@ def _pair_of(row: Sequence[str]) -> tuple[str, list[str]] | None:
         if found and key.strip():
             return key.strip(), [value.strip(" \t;,|")]
     return None
-
-
-def unit_columns(layout: TextLayout, rows: Sequence[Sequence[str]]) -> Iterator[tuple[int, str]]:
-    """Yield each column that holds only the units of the numbers to its left, with the first unit in it."""
-    for index, kind in enumerate(layout.kinds):
-        if (
-            kind == "text"
-            and index
-            and layout.kinds[index - 1] == "numbers"
-            and _OF_UNITS.fullmatch(layout.headers[index])
-        ):
-            cells = [row[index].strip() for row in rows if index < len(row) and not is_missing(row[index])]
-            if cells and all(is_unit(cell) and scale_between(cell, cells[0]) is not None for cell in set(cells)):
-                yield index, cells[0]

@@ -18,13 +18,13 @@ from musclewire.errors import RecordingError
 from musclewire.extras.lab_files._number_style import is_missing, number_and_unit
 from musclewire.extras.lab_files._text_layout import (
     COUNTED,
+    OF_UNITS,
     TextLayout,
     conforms,
     kind_of,
     layout_of,
     split_lines,
     too_wide,
-    unit_columns,
 )
 from musclewire.extras.lab_files._text_lines import Line, ends_within_a_line, lines_of
 from musclewire.extras.lab_files._text_shapes import shape_of
@@ -319,34 +319,35 @@ def _source_columns(
     """Return the columns, which cells of a line each one is, and the unit in its cells, or next to them."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
     rows = [row for row in rows if len(row) == len(layout.headers) and conforms(row, layout.counted)]
-    beside = dict(unit_columns(layout, rows))
     columns: list[SourceColumn] = []
     parts: list[tuple[int, ...]] = []
     units: list[str | None] = []
+    before = ""
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
-        if index in beside:
-            columns[-1] = replace(columns[-1], unit=beside[index])
-            parts[-1], units[-1] = (index - 1, index), beside[index]
-            continue
-        if kind == "beside":
-            continue
-        inside = _unit_in(rows, index) if kind == "quantities" else None
-        if inside == "":
+        cells = [row[index] for row in rows if not is_missing(row[index])]
+        beside = _unit_of([cell.strip() for cell in cells]) if kind == "text" and before == "numbers" else None
+        inside = (
+            _unit_of([pair[1] for cell in cells if (pair := number_and_unit(cell))]) if kind == "quantities" else None
+        )
+        before = kind
+        if beside and OF_UNITS.fullmatch(header):
+            columns[-1] = replace(columns[-1], unit=beside)
+            parts[-1], units[-1] = (index - 1, index), beside
+        elif inside == "":
             # Several quantities below each other, as in a row for each channel.
             columns += [SourceColumn(header), SourceColumn("unit", is_text=True)]
             parts += [(index,), (index,)]
             units += ["", "unit"]
-            continue
-        is_text = kind in {"times", "text"}
-        columns.append(SourceColumn(header, unit if inside is None else inside, is_text, kind == "blank"))
-        parts.append((index,))
-        units.append(inside)
+        elif kind != "beside":
+            is_text = kind in {"times", "text"}
+            columns.append(SourceColumn(header, unit if inside is None else inside, is_text, kind == "blank"))
+            parts.append((index,))
+            units.append(inside)
     return tuple(columns), tuple(parts), tuple(units)
 
 
-def _unit_in(rows: Sequence[Sequence[str]], index: int) -> str | None:
-    """Return the first unit that cells hold behind their numbers, "" if another one measures another thing."""
-    found = (number_and_unit(row[index]) for row in rows if index < len(row))
-    units = dict.fromkeys(pair[1] for pair in found if pair is not None and is_unit(pair[1]))
-    first = next(iter(units), None)
-    return first if first is None or all(scale_between(unit, first) is not None for unit in units) else ""
+def _unit_of(texts: Sequence[str]) -> str | None:
+    """Return the first unit among texts, "" if another one measures another thing, None if there is none."""
+    units = [text for text in dict.fromkeys(texts) if is_unit(text)]
+    same = all(scale_between(unit, units[0]) is not None for unit in units)
+    return None if not units else units[0] if same else ""
