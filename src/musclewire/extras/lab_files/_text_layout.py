@@ -27,6 +27,7 @@ _SEPARATORS = ("\t", ";", "|", ",", " ")
 _SAMPLE_LINES = 400  # the last ones at hand show the separator, whatever titles are above
 _MAX_COLUMNS = 4096  # no recording has as many; text with many separators may
 _MIN_SCORE_OF_TABS = 0.3  # of 1: so small a part of numbers, with tabs, is a table in which much is text
+_MAX_UNIT_LENGTH = 16  # characters: longer text among the cells is a remark
 # What a cell is. Columns of these three are measured; what is "text" or "blank" in most cells is not.
 COUNTED = frozenset({"numbers", "quantities", "times"})
 _RULE = re.compile(r"[-=_+|,;\t ]*[-=_]{2,}[-=_+|,;\t ]*")
@@ -204,8 +205,15 @@ def _score(sample: Sequence[str], separator: str) -> tuple[bool, float]:
     width, kinds = _columns_of(rows)
     like = [row for row in rows if len(row) == width and _counted(row)]
     cells = sum(map(len, like))
-    fraction = sum(map(_counted, like)) / cells if cells else 0.0
+    fraction = sum(map(_may_be_measured, (cell for row in like for cell in row))) / cells if cells else 0.0
     return width > 1 and bool(COUNTED & set(kinds)), round(fraction * len(like) / len(rows), 3)
+
+
+@functools.lru_cache(maxsize=65_536)
+def _may_be_measured(cell: str) -> bool:
+    """Return whether a cell is a number, a time or the unit of one."""
+    kind = kind_of(cell)
+    return kind in COUNTED or (kind == "text" and len(cell) < _MAX_UNIT_LENGTH and is_unit(cell))
 
 
 def _counted(row: Sequence[str]) -> int:
