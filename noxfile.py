@@ -29,7 +29,7 @@ parameters.pretension.values = ["1.5 N", "1.9 N"]
 """
 # Tests that touch most of what differs between Pythons and versions of packages: files, kernels, the command line.
 SHORT_SUITE = ("tests/unit", "tests/extras/interfaces/unit", "tests/house/test_files_of_releases.py",
-               "tests/app/test_version.py", "tests/extras/lab_files/app/test_import.py")  # fmt: skip
+               "tests/app/test_command_line.py", "tests/extras/lab_files/app/test_import.py")  # fmt: skip
 PYTHONS = [line.rpartition(" ")[2] for line in PROJECT["classifiers"] if "Python :: 3." in line]
 PLATFORMS = {
     "Windows, x86-64": "x86_64-pc-windows-msvc",

@@ -1,7 +1,7 @@
 """Every option of the core's commands and of several parts, defined once: its name, its unit, and what it means.
 
 A command says which options it has, with which type and default; name and help come from here. The same name means the
-same in all commands (``tests/app/test_one_list_of_options.py``).
+same in all commands (``tests/app/test_command_line.py``).
 """
 
 from __future__ import annotations

@@ -29,14 +29,23 @@ def run(*command: object, cwd: Path | None = None) -> str:
     return done.stdout + done.stderr
 
 
+def each_precision(single: Any, double: Any) -> list[pytest.ParameterSet]:
+    """Return every library in a precision, the filter's in the other one; the rest is in the group slow.
+
+    Golden vectors and bits of each in both are those of the libraries compiled in test_c_equals_python.py and beside.
+    """
+    others = [("zhao-1993", double), ("filter", single), ("inverse-model", double)]
+    quick = [("zhao-1993", single), ("filter", double), ("inverse-model", single)]
+    return [*(pytest.param(*one) for one in quick), *(pytest.param(*one, marks=pytest.mark.slow) for one in others)]
+
+
 def sources(one: Exported) -> list[Path]:
     return sorted((one.library.folder / "src").glob("*.c"))
 
 
-@pytest.mark.parametrize("made", ["zhao-1993", "filter", "inverse-model"])
-@pytest.mark.parametrize("double", ["OFF", "ON"], ids=["single", "double"])
+@pytest.mark.parametrize(("made", "double"), each_precision("OFF", "ON"))
 def test_the_cmake_project_builds_and_its_golden_vectors_hold(
-    exported: Libraries, tmp_path: Path, double: str, made: str
+    exported: Libraries, tmp_path: Path, made: str, double: str
 ) -> None:
     require_tool("cmake", "cmake make")
     require_tool("gcc", "gcc libc6-dev")
@@ -99,8 +108,7 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     assert run(program, SAMPLES).strip() == host_hash(one.library.folder, SAMPLES, double=double)
 
 
-@pytest.mark.parametrize("made", ["zhao-1993", "filter", "inverse-model"])
-@pytest.mark.parametrize("double", [False, True], ids=["single", "double"])
+@pytest.mark.parametrize(("made", "double"), each_precision(False, True))
 @pytest.mark.parametrize(
     "target",
     [
@@ -109,7 +117,7 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     ],
 )
 def test_an_emulated_processor_gives_the_bits_of_this_machine(
-    exported: Libraries, tmp_path: Path, target: object, double: bool, made: str
+    exported: Libraries, tmp_path: Path, target: object, made: str, double: bool
 ) -> None:
     require_tool(target.compiler, target.packages)  # type: ignore[attr-defined]
     require_tool(target.emulator, target.emulator_packages)  # type: ignore[attr-defined]

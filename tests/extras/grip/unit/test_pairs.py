@@ -41,7 +41,7 @@ Both = tuple[WireConstants, WireConstants]
 # takes 2 mm away; 1000 N/m along the tendon beside a pretensioner of 400 N/m.
 RATIO, LEVER, GIVE_M_PER_N, ALONG_N_PER_M, BESIDE_N_PER_M = 6.0, 5.0, 2e-3, 1000.0, 400.0
 FOAM_N_PER_M, CLEARANCE_M = 150.0, 3e-3
-REACH_M, POINTS = 7e-3, 701
+REACH_M, POINTS = 7e-3, 2001  # as many as a rig's finger has: the kernel of two wires is compiled for it once
 
 
 def wire(load: ConnectorLoad = ALONE, pretension_n: float = 0.9, **bench_values: float) -> WireConstants:

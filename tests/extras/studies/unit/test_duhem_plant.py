@@ -16,6 +16,8 @@ from tests.places import EXAMPLES
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive
 
+pytestmark = pytest.mark.slow  # an example is compiled anew in each run
+
 RIG_FILE = EXAMPLES / "plants" / "duhem.toml"
 
 

@@ -17,6 +17,8 @@ from musclewire.parameters import load_catalogue
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive
 
+pytestmark = pytest.mark.slow  # an example is compiled anew in each run
+
 RIG_FILE = EXAMPLES / "plants" / "liang_rogers.toml"
 
 
