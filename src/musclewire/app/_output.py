@@ -184,20 +184,20 @@ def progress_bar(task: str, total_s: float | None, rig: GuardedRig | None = None
 
 
 @contextmanager
-def step_bar(unit: str) -> Iterator[OnStage]:
+def step_bar() -> Iterator[OnStage]:
     """Show a bar, or lines on a pipe; yields what takes a search's stage, steps done, total steps and best cost."""
     shown = console()
     if not _Shown.progress:
         yield lambda *_: None
     elif not shown.is_terminal:
-        yield lambda stage, done, total, cost: say(f"{stage}: {done} of {total} {unit}, sum of squares {cost:.4g}")
+        yield lambda stage, done, total, cost: say(f"{stage}: {done} of {total} descents, sum of squares {cost:.4g}")
     else:
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
         text = TextColumn("{task.description:<46}")
         columns = (text, BarColumn(bar_width=32), MofNCompleteColumn(), TimeElapsedColumn())
         with Progress(*columns, console=shown, refresh_per_second=4, transient=True) as progress:
-            task = progress.add_task(f"global search, {unit}", total=None)
+            task = progress.add_task("global search, descents", total=None)
             yield lambda stage, done, total, cost: progress.update(
                 task, description=f"{stage}, sum of squares {cost:.4g}", completed=done, total=total
             )

@@ -19,7 +19,6 @@ from musclewire.controllers._rules import (
     MamdaniRules,
     MembershipSet,
     RuleBase,
-    SetName,
     ZhaoRules,
 )
 from musclewire.errors import CallerError, NumericsError
@@ -136,15 +135,12 @@ def _tables(rules: ZhaoRules | MamdaniRules | ConstantRules) -> list[FloatArray]
     if isinstance(rules, ConstantRules):
         return [np.full((7, 7), ratio) for ratio in (rules.kp, rules.ki, rules.kd)]
     if isinstance(rules, MamdaniRules):
-        return [_set_indices(table) for table in (rules.kp, rules.ki, rules.kd)]
+        tables = (rules.kp, rules.ki, rules.kd)
+        return [np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table]) for table in tables]
     alpha = np.array(rules.alpha)
     integral = (1.0 / alpha - 1.0 / ALPHA_WEAKEST) / (1.0 / ALPHA_STRONGEST - 1.0 / ALPHA_WEAKEST)
     kp, kd = (np.array([[float(cell == "B") for cell in row] for row in table]) for table in (rules.kp, rules.kd))
     return [kp, np.clip(integral, 0.0, 1.0), kd]
-
-
-def _set_indices(table: tuple[tuple[SetName, ...], ...]) -> FloatArray:
-    return np.array([[float(SET_NAMES.index(cell)) for cell in row] for row in table])
 
 
 def _set_values(fuzzy_set: MembershipSet) -> tuple[int, float, float, float]:

@@ -82,9 +82,9 @@ def zero_tendon(rig: Rig, *, start_slack_m: float = 0.0) -> TendonZero:
     return TendonZero(-kink_m, slope, positions, forces)
 
 
-def kink_and_slope(place: FloatArray, value: FloatArray, tries: int = 401) -> tuple[float, float]:
+def kink_and_slope(place: FloatArray, value: FloatArray) -> tuple[float, float]:
     """Return the kink between a level and a rising line, and the slope, by least squares; both arrays (n,), rising."""
-    kinks = np.linspace(place[1], place[-2], tries)
+    kinks = np.linspace(place[1], place[-2], 401)
     ramps = np.maximum(place[None, :] - kinks[:, None], 0.0)
     centred = ramps - ramps.mean(axis=1, keepdims=True)
     slopes = centred @ (value - value.mean()) / np.sum(centred**2, axis=1)

@@ -32,7 +32,7 @@ from musclewire.controllers import (
 from musclewire.errors import CallerError, RecordingError, nearest_hint
 from musclewire.identify._speed_limits.plant import LEVELS, steady_levels
 from musclewire.identify._use_of_model import DEAD_SAMPLES, alloy_of, error_unit_for, require_ohms
-from musclewire.sensing import SHOWN_AS, KnownSpring, SensingModel, wire_model_of
+from musclewire.sensing import SHOWN_AS, SensingModel, wire_model_of
 from musclewire.signals import Recording, RunFacts
 from musclewire.wire import HeatBalance
 
@@ -202,11 +202,9 @@ def with_gains(model: SensingModel, facts: RunFacts) -> SensingModel:
     return replace(model, gains=Gains("inverse-model", plant).table())
 
 
-def settings_for(
-    model: SensingModel, settings: FuzzyPidSettings | None = None, load: KnownSpring | None = None
-) -> FuzzyPidSettings:
+def settings_for(model: SensingModel, settings: FuzzyPidSettings | None = None) -> FuzzyPidSettings:
     """Return the fuzzy PID's settings with the error unit fitted to the model's quantity, unless they name one."""
-    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model, load))
+    return with_error_unit(settings or FuzzyPidSettings(), error_unit_for(model))
 
 
 def fuzzy_settings(model: SensingModel, plant: FeedforwardSettings, rule_base: str | None) -> FuzzyPidSettings:

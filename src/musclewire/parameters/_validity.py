@@ -111,9 +111,9 @@ def stress_warnings(limits: ValidityLimits, reached: ReachedConditions) -> tuple
     return tuple(found)
 
 
-def exceeds(value: float | None, limit: float | None, slack: float = STRESS_SLACK) -> bool:
+def exceeds(value: float | None, limit: float | None) -> bool:
     """Return whether a stress is above a limit by more than the slack; unknown ones are not."""
-    return value is not None and limit is not None and value > limit * (1.0 + slack)
+    return value is not None and limit is not None and value > limit * (1.0 + STRESS_SLACK)
 
 
 def in_words(stress_pa: float | None, reached: ReachedConditions) -> str:

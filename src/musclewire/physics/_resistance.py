@@ -128,7 +128,10 @@ def wire_resistance(
     Lan and Fan 2010, Eq. 1: R_SMA = (V_SMA / V_R) R.
     """
     if not (0.0 < shunt_resistance_ohm < inf and 0.0 < minimum_current_a < inf):
-        raise CallerError(_bad_constants(shunt_resistance_ohm, minimum_current_a))
+        raise CallerError(
+            f"shunt resistance {shunt_resistance_ohm} ohm and minimum current {minimum_current_a} A: "
+            "both must be positive and finite"
+        )
     if isinstance(wire_voltage_v, float) and isinstance(shunt_voltage_v, float):
         if not abs(shunt_voltage_v) >= minimum_current_a * shunt_resistance_ohm:
             return NO_READING
@@ -193,11 +196,3 @@ def _reading(
     if resistance.ndim == 0:
         return ResistanceReading(float(resistance), bool(valid))
     return ArrayReading(cast(FloatArray, resistance), valid)
-
-
-def _bad_constants(shunt_resistance_ohm: float, minimum_current_a: float) -> str:
-    """Return the message on a shunt resistance or minimum current that cannot be."""
-    return (
-        f"shunt resistance {shunt_resistance_ohm} ohm and minimum current {minimum_current_a} A: "
-        "both must be positive and finite"
-    )

@@ -24,8 +24,8 @@ class Branch(NamedTuple):
     quantity: FloatArray  # shape (n,): strain as a fraction, displacement [m] or force [N]
 
 
-def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, min_points: int = 2) -> Branch:
-    """Return the branch as float arrays; RecordingError on NaN, unequal lengths or fewer than ``min_points``."""
+def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str) -> Branch:
+    """Return the branch as float arrays; RecordingError on NaN, unequal lengths or fewer than two points."""
     resistance = np.asarray(branch[0], dtype=np.float64)
     quantity = np.asarray(branch[1], dtype=np.float64)
     if resistance.ndim != 1 or resistance.shape != quantity.shape:
@@ -33,8 +33,8 @@ def checked_branch(branch: tuple[npt.ArrayLike, npt.ArrayLike], name: str, min_p
             f"{name} branch: resistance has shape {resistance.shape} and the quantity {quantity.shape}: "
             "give two columns of equal length"
         )
-    if resistance.size < min_points:
-        raise RecordingError(f"{name} branch has {resistance.size} points, at least {min_points} are needed")
+    if resistance.size < 2:
+        raise RecordingError(f"{name} branch has {resistance.size} points, at least 2 are needed")
     bad = ~(np.isfinite(resistance) & np.isfinite(quantity))
     if bad.any():
         raise RecordingError(

@@ -27,11 +27,9 @@ def hysteresis_gap(heating: AnyBranch, cooling: AnyBranch, points: int = 400, ma
     return float(np.mean(np.abs(differences))) / largest
 
 
-def signed_hysteresis_gap(
-    heating: AnyBranch, cooling: AnyBranch, points: int = 400, maximum: float | None = None
-) -> float:
+def signed_hysteresis_gap(heating: AnyBranch, cooling: AnyBranch) -> float:
     """Return the mean of heating minus cooling, otherwise as :func:`hysteresis_gap`; if they differ, branches cross."""
-    differences, largest = _differences(heating, cooling, points, maximum)
+    differences, largest = _differences(heating, cooling, 400, None)
     return float(np.mean(differences)) / largest
 
 

@@ -273,9 +273,10 @@ class ProtectionTable(BaseModel):
     def transitions(self) -> tuple[tuple[Transition, ...], ...]:
         """What each signal does in each state: ``transitions[state][signal]``."""
         signals = sorted(self.signal, key=lambda row: row.number)
+        states = sorted(self.state, key=lambda row: row.number)
+        rows = [[signal.then[state.name] for signal in signals] for state in states]
         return tuple(
-            tuple(_transition(signal.then[state.name]) for signal in signals)
-            for state in sorted(self.state, key=lambda row: row.number)
+            tuple(Transition(State[then.to.upper()], Effect[then.effect.upper()]) for then in row) for row in rows
         )
 
     @cached_property
@@ -297,10 +298,6 @@ class ProtectionTable(BaseModel):
     @cached_property
     def _rows(self) -> dict[int, EventRow]:
         return {Event(row.number): row for row in self.event}
-
-
-def _transition(then: TransitionRow) -> Transition:
-    return Transition(State[then.to.upper()], Effect[then.effect.upper()])
 
 
 def _require_same(rows: Sequence[NumberedRow], kind: type[IntEnum], without: tuple[str, ...] = ()) -> None:

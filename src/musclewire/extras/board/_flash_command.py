@@ -55,7 +55,8 @@ def flash(
     loader = loader_for(image, port, old_bootloader)
     greeted = None
     if not dry_run:
-        tell(f"{image.file}: wire {image.wire} of {1e3 * image.wire_length_m:g} mm, {limits_text(image)}")
+        limits = f"shunt {image.shunt_resistance_ohm:g} ohm, at most {image.maximum_voltage_v:g} V"
+        tell(f"{image.file}: wire {image.wire} of {1e3 * image.wire_length_m:g} mm, {limits}")
         run_loader(loader, old_bootloader)
         greeted = who(image, port) if port else None
     answer = FlashAnswer.read_from(image, serial_port=port or None, command=loader.command, answered=greeted)
@@ -83,11 +84,6 @@ def who(image: FirmwareImage, port: str) -> GreetedBoard:
 
     identity = greet(image, port)
     return GreetedBoard(board=identity.board, firmware=identity.firmware_version, started_by=identity.reset_by)
-
-
-def limits_text(image: FirmwareImage) -> str:
-    """Return an image's limits as words."""
-    return f"shunt {image.shunt_resistance_ohm:g} ohm, at most {image.maximum_voltage_v:g} V"
 
 
 def text(answer: FlashAnswer, dry_run: bool) -> str:

@@ -107,7 +107,7 @@ def calibrate(
     settings = search.settings()
     given = {name: read_one(name, reading) for name in distinct(recordings)}
     journal = None if output is None else output.with_name(output.name + JOURNAL_SUFFIX)
-    with resumable(journal), stops_between_samples(), step_bar("descents") as on_progress:
+    with resumable(journal), stops_between_samples(), step_bar() as on_progress:
         found = run_calibrate(
             given,
             wire=known.wire,

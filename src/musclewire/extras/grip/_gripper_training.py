@@ -254,11 +254,6 @@ def object_of(rig: str | Path | RigConfiguration) -> ElasticObject:
     return block
 
 
-def fingers_of(configuration: RigConfiguration) -> int:
-    """Return how many fingers touch the object."""
-    return 2 if any(part.second_wire and part.second_wire.holds_the_object for part in configuration.load) else 1
-
-
 def gripper_of(rig: Rig) -> Gripper:
     """Return the identity of a gripper from its rig's metadata.
 
@@ -291,7 +286,7 @@ def train_gripper(
     For real fingers pass the same recordings to ``fit_free_closing`` and ``fit_grip_curve``.
     """
     configuration, _ = simulated_configuration(rig)
-    fingers = fingers_of(configuration)
+    fingers = 2 if any(part.second_wire and part.second_wire.holds_the_object for part in configuration.load) else 1
     with open_rig(with_object(configuration, None), seed=seed) as opened:
         free_runs = [close_fingers(opened, closing_s=time_s, on_sample=on_sample) for time_s in TRAINING_CLOSINGS_S]
         gripper = gripper_of(opened)

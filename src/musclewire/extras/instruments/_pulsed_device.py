@@ -76,7 +76,9 @@ class PulsedDevice(SimulatedDevice):
 
     def _advance(self, drive_voltage_v: float) -> WireMeans:
         """Run the pulses of one sample; the voltages are those read in its last ones, at the window's level."""
-        pwm, off_v = self._pwm, self._off_voltage_v(drive_voltage_v)
+        pwm = self._pwm
+        sensing = pwm.window == "off" and drive_voltage_v > 0.0
+        off_v = self.facts.limits.sense_voltage_v if sensing else 0.0
         duty = duty_of(drive_voltage_v, off_v, pwm)
         read: dict[str, list[float]] = {"wire": [], "shunt": []}
         moved = force = squares = 0.0
@@ -97,11 +99,6 @@ class PulsedDevice(SimulatedDevice):
         self._scale = self._drive_voltage_v / level_v if level_v > 0.0 else 0.0
         wire_v, shunt_v = (sum(values) / max(len(values), 1) for values in (read["wire"], read["shunt"]))
         return WireMeans(wire_v, pwm.shunt_gain * shunt_v, moved / sample_s, force / sample_s)
-
-    def _off_voltage_v(self, drive_voltage_v: float) -> float:
-        """Return the voltage between pulses: the sense voltage if readings are taken there and the drive is not off."""
-        sensing = self._pwm.window == "off" and drive_voltage_v > 0.0
-        return self.facts.limits.sense_voltage_v if sensing else 0.0
 
     def _on_time_s(self, duty: float, reading: bool) -> float:
         """Return how long a pulse is: as the duty says, but while reading no shorter than the window needs."""

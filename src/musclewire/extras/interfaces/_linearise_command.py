@@ -88,16 +88,14 @@ def linearisation_answer(found: Linearisation) -> LineariseAnswer:
         point.wire,
         wire=point.wire.name,
         strain_pct=100.0 * point.strain,
-        operating_points=[point_answer(one) for one in found.points],
+        operating_points=[
+            OperatingPointAnswer.read_from(one, one.state, temperature_degc=one.temperature_k - ZERO_DEGC_K)
+            for one in found.points
+        ],
         linearisations=[loop_answer(one) for one in found.loops],
         controller=found.settings,
         sensed_by="strain" if found.model is None else "model",
     )
-
-
-def point_answer(point: OperatingPoint) -> OperatingPointAnswer:
-    """Return one operating point."""
-    return OperatingPointAnswer.read_from(point, point.state, temperature_degc=point.temperature_k - ZERO_DEGC_K)
 
 
 def loop_answer(one: LinearisedLoop) -> LinearLoopAnswer:

@@ -26,6 +26,7 @@ TABLE_WIDTH = 150
 
 def rows_text(result: Reproduction) -> str:
     """Return all rows as a table; on a terminal those that fail are red."""
+    from rich.markup import escape
     from rich.table import Table
 
     table = Table(box=None, pad_edge=False, header_style="bold")
@@ -41,7 +42,7 @@ def rows_text(result: Reproduction) -> str:
             *(row.name, row.origin, paper_text(row), ours_text(row), spread_text(row), limit_text(row), row.unit),
             verdict_text(row),
         )
-        table.add_row(*map(plain_markup, cells), style=style)
+        table.add_row(*map(escape, cells), style=style)
     return drawn(table)
 
 
@@ -102,10 +103,3 @@ def drawn(table: Table) -> str:
     width = out.width if out.is_terminal else max(out.width, TABLE_WIDTH)
     Console(file=text, highlight=False, force_terminal=out.is_terminal, width=width).print(table)
     return text.getvalue().removesuffix("\n")
-
-
-def plain_markup(text: str) -> str:
-    """Return text whose brackets rich prints as they are."""
-    from rich.markup import escape
-
-    return escape(text)

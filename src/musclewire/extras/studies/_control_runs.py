@@ -9,9 +9,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from musclewire.arrays import FloatArray
 from musclewire.controllers import staircase
-from musclewire.experiment import ControlMetrics, ControlRun, characterize, control, control_compiled
+from musclewire.experiment import ControlMetrics, characterize, control, control_compiled
 from musclewire.extras.studies._run_kind import (
     KindOptions,
     Outcome,
@@ -23,8 +22,8 @@ from musclewire.extras.studies._run_kind import (
     noted_overheating,
 )
 from musclewire.identify import fit, required_quantity
-from musclewire.rigs import GuardedRig, uncompiled
-from musclewire.sensing import DEFAULT_ESTIMATOR, SensingModel, load_model
+from musclewire.rigs import uncompiled
+from musclewire.sensing import DEFAULT_ESTIMATOR, load_model
 from musclewire.signals import measured_in
 
 NUMBERS = {
@@ -91,17 +90,17 @@ def on_rig(runs: StudyRuns[ControlOptions], run: StudyRun[ControlOptions]) -> Ou
     """Return what a closed loop on the rig of a run yields."""
     options = run.options
     with runs.open(run) as rig, noted_overheating(rig):
-        model = own_model(rig, options) if options.model == "own" else load_model(options.model)
+        if options.model == "own":
+            model = fit(characterize(rig, period_s=options.period, cycles=options.cycles, minor_loop=False))
+        else:
+            model = load_model(options.model)
         reference = staircase(options.start, options.stop, options.step, hold_s=options.hold)
         # Two wires and faults have no compiled form; either way the numbers are the same.
         loop = control if options.in_python or uncompiled(rig) else control_compiled
         done = loop(rig, model, reference, estimator=options.estimator, controller=options.controller)
-    return {**errors_of(done.metrics), "model_gap": model.hysteresis_gap, **series_of(done)}
-
-
-def own_model(rig: GuardedRig, options: ControlOptions) -> SensingModel:
-    """Return the model of the wire on a rig."""
-    return fit(characterize(rig, period_s=options.period, cycles=options.cycles, minor_loop=False))
+    series = {name: done[name] for name in ("target_strain", "estimated_strain", "drive_voltage_v")}
+    series["strain"] = required_quantity(done, "strain")
+    return {**errors_of(done.metrics), "model_gap": model.hysteresis_gap, **series}
 
 
 def errors_of(metrics: ControlMetrics) -> dict[str, float]:
@@ -118,12 +117,6 @@ def errors_of(metrics: ControlMetrics) -> dict[str, float]:
         "valid_fraction": metrics.valid_share,
     }
     return {name: nan if value is None else value for name, value in found.items()}
-
-
-def series_of(run: ControlRun) -> dict[str, FloatArray]:
-    """Return the columns of a run."""
-    columns = {name: run[name] for name in ("target_strain", "estimated_strain", "drive_voltage_v")}
-    return {**columns, "strain": required_quantity(run, "strain")}
 
 
 CONTROL = RunKind(ControlOptions, quantities, evaluate)

@@ -148,15 +148,13 @@ def read_chunk(file: Path, first: int) -> ChunkResult:
                 columns,
                 tuple(stored[ERRORS].tolist()),
                 {name: tuple(found.tolist()) for name, found in texts.items()},
-                overheated_in(stored[TOO_HOT] if TOO_HOT in stored.files else ()),
+                tuple(
+                    Overheated(int(run), float(hottest_k), float(limit_k))
+                    for run, hottest_k, limit_k in (stored[TOO_HOT] if TOO_HOT in stored.files else ())
+                ),
             )
     except (OSError, EOFError, ValueError, KeyError, BadZipFile) as problem:
         raise CallerError(f"{file} cannot be read ({problem}): delete it, and its runs are repeated") from None
-
-
-def overheated_in(rows: Iterable[Any]) -> tuple[Overheated, ...]:
-    """Return the runs whose wires went too hot, from rows of their numbers."""
-    return tuple(Overheated(int(run), float(hottest_k), float(limit_k)) for run, hottest_k, limit_k in rows)
 
 
 class Chunks(Sequence[Chunk]):

@@ -13,9 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-
 from musclewire.compiled import kernel_source_hash
 from musclewire.errors import CallerError, nearest_hint
 from musclewire.extras.studies._design import StudyDesign, design_of
@@ -51,14 +48,11 @@ class Plan:
 
     def _files(self) -> list[Path]:
         """Return the files that change the study's result: those of wires, parts and models."""
-        texts = texts_in([dict(self.rig.configuration), *map(dict, self.rig.configuration.load), dict(self.options)])
-        texts += [str(value) for axis in self.design.axes for value in axis.values if isinstance(value, str)]
+        tables = [self.rig.configuration, *self.rig.configuration.load, self.options]
+        values = [value for table in tables for _, value in table]
+        values += [value for axis in self.design.axes for value in axis.values]
+        texts = [value for value in values if isinstance(value, str)]
         return sorted({Path(text) for text in texts if text.endswith((".toml", ".json")) and Path(text).is_file()})
-
-
-def texts_in(tables: list[dict[str, Any]]) -> list[str]:
-    """Return the texts among the values of some tables."""
-    return [value for table in tables for value in table.values() if isinstance(value, str)]
 
 
 def engine() -> str:
@@ -74,19 +68,21 @@ def plan_of(file: StudyFile, where: str, folder: Path) -> Plan:
     # A key that varies need not be given: its first value takes the place in the checks.
     variable = {name: name.removeprefix(RUN) for name in file.parameters if name.startswith(RUN)}
     for name, key in variable.items():
-        require_key(where, name, key, kind.options)
+        if key not in kind.options.model_fields:
+            hint = nearest_hint(key, kind.options.model_fields)
+            raise CallerError(f"{where}: there is no parameter '{name}'{hint}")
     rig = VariedRig(configuration, where, [name for name in file.parameters if name not in variable])
-    keys = {**rig.keys, **{name: run_key(kind.options.model_fields[key], key) for name, key in variable.items()}}
+    keys = dict(rig.keys)
+    for name, key in variable.items():
+        keys[name] = VariedKey(key_unit(kind.options.model_fields[key]), "", ("run", key))
     require_distinct(keys, where)
     parameters = [with_wire_files_found(item, folder) for item in (
         parameter_of(name, keys[name].unit, table) for name, table in file.parameters.items())]  # fmt: skip
     design = sampled_design(file, parameters, where)
     first = dict(zip(design.names, design.rows(0, 1)[0], strict=True))
-    options = validated(
-        kind.options,
-        files_found({**given, **{key: first[name] for name, key in variable.items()}}, folder),
-        f"{where}: run",
-    )
+    run = {**given, **{key: first[name] for name, key in variable.items()}}
+    found = {key: found_in(folder, value) for key, value in run.items()}
+    options = validated(kind.options, found, f"{where}: run")
     return Plan(file, rig, kind, options, kept_quantities(file, kind.quantities(options), where), design)
 
 
@@ -125,17 +121,6 @@ def kind_at(name: str, folder: Path) -> Any:
         raise CallerError(f"there is no '{name}' next to the study file or installed ({problem})") from None
 
 
-def require_key(where: str, name: str, key: str, options: type[BaseModel]) -> None:
-    """Raise CallerError for a key that this kind of run does not have."""
-    if key not in options.model_fields:
-        raise CallerError(f"{where}: there is no parameter '{name}'{nearest_hint(key, options.model_fields)}")
-
-
-def run_key(field: FieldInfo, key: str) -> VariedKey:
-    """Return a key of ``[run]`` as something that varies."""
-    return VariedKey(key_unit(field), "", ("run", key))
-
-
 def require_distinct(keys: Mapping[str, VariedKey], where: str) -> None:
     """Raise CallerError if two parameters are the same number: ``pretension`` and ``pretension_n``, for example."""
     seen: dict[tuple[str, tuple[str | int, ...]], str] = {}
@@ -156,11 +141,6 @@ def found_in(folder: Path, value: Any) -> Any:
     """Return the name of a file as a path that is valid from anywhere; any other value as it is."""
     is_file = isinstance(value, str) and (is_wire_file(value) or value.endswith(".json"))
     return str((folder / value).resolve()) if is_file else value
-
-
-def files_found(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return a table with the files among its values found next to the study's file."""
-    return {key: found_in(folder, value) for key, value in table.items()}
 
 
 def sampled_design(file: StudyFile, parameters: list[GridAxis | SampledParameter], where: str) -> StudyDesign:

@@ -216,7 +216,8 @@ def parameter_of(name: str, unit: str, table: ParameterTable) -> GridAxis | Samp
     given = {key: value for key, value in table if value not in (None, {}) and key != "spacing"}
     if table.values is not None:
         require_only(where, given, "values", ("values",))
-        return GridAxis(name, unit, tuple(axis_value(where, unit, value) for value in table.values))
+        values = [in_si(f"{where}.values", unit, value) if unit else value for value in table.values]
+        return GridAxis(name, unit, tuple(values))
     if not unit:
         raise CallerError(f"{where}: a parameter without a unit takes 'values' only, a list")
     if table.prior is not None:
@@ -235,11 +236,6 @@ def require_only(where: str, given: Mapping[str, Any], what: str, known: tuple[s
     for key in given:
         if key not in known:
             raise CallerError(f"{where}: '{key}' does not belong to '{what}': leave one of them out")
-
-
-def axis_value(where: str, unit: str, value: Value) -> Value:
-    """Return a value of an axis, in SI if it has a unit."""
-    return in_si(f"{where}.values", unit, value) if unit else value
 
 
 def in_si(where: str, unit: str, given: Value, difference: bool = False) -> float:

@@ -68,18 +68,16 @@ def run_catalogue_test(
     wire: Wire,
     bench: Bench,
     current_a: float,
-    *,
-    stress_pa: float = PULL_STRESS_PA,
-    heating_s: float = HEATING_S,
 ) -> CatalogueRun:
     """Heat a wire under a dead weight by a constant current for a second, let it cool; measure both."""
-    constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value, stress_pa))
-    step_s = step_for(constants)
-    heated, state = heat(constants, current_a, heating_s, step_s)
+    constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value))
+    loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
+    step_s = float(np.clip(STEP_FRACTION * constants.heat_capacity_j_per_k / loss, MIN_STEP_S, MAX_STEP_S))
+    heated, state = heat(constants, current_a, HEATING_S, step_s)
     contraction = state.contraction
     if not np.isfinite(contraction):
         raise NumericsError(f"the simulation of {wire.name} diverges at {current_a:g} A: use a smaller current")
-    stroke = full_stroke(constants, stress_pa)
+    stroke = full_stroke(constants, PULL_STRESS_PA)
     curve = cooling_curve(constants, state, step_s)
     return CatalogueRun(
         stroke=stroke,
@@ -89,12 +87,6 @@ def run_catalogue_test(
         temperature_k=float(heated.temperature_k.max()),
         energy_j=state.heat_in_j,
     )
-
-
-def step_for(constants: WireConstants) -> float:
-    """Return a time step that resolves the cooling of the wire."""
-    loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])
-    return float(np.clip(STEP_FRACTION * constants.heat_capacity_j_per_k / loss, MIN_STEP_S, MAX_STEP_S))
 
 
 def full_stroke(constants: WireConstants, stress_pa: float) -> float:

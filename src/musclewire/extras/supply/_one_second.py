@@ -79,14 +79,12 @@ def contracting_current_a(constants: WireConstants, seconds: float, displacement
     return high
 
 
-def one_second_current(
-    alloy: Alloy, wire: Wire, bench: Bench, *, seconds: float = 1.0, fraction: float = CONTRACTED_FRACTION
-) -> OneSecondDrive:
-    """Return the current that brings a cold wire to a fraction of its stroke in time; NumericsError if none does."""
+def one_second_current(alloy: Alloy, wire: Wire, bench: Bench) -> OneSecondDrive:
+    """Return the current that brings a cold wire to a fraction of its stroke in a second; NumericsError if none does."""
     constants = constants_from(alloy, wire, bench)
     stroke = full_stroke(constants)
-    current_a = contracting_current_a(constants, seconds, fraction * stroke * constants.leg_length_m)
-    path, state = heat(constants, current_a, seconds)
+    current_a = contracting_current_a(constants, 1.0, CONTRACTED_FRACTION * stroke * constants.leg_length_m)
+    path, state = heat(constants, current_a, 1.0)
     air_k, factor = constants.ambient_temperature_k, wire["convection_factor"]
     balance = HeatBalance.of_wire(alloy, wire["diameter_m"], constants.wire_length_m, air_k, factor)
     return OneSecondDrive(

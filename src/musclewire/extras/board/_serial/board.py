@@ -154,15 +154,12 @@ class Board:
                 for message in self.receive(left_s):
                     if isinstance(message, BoardIdentity):
                         return self._checked(message)
-                self._refuse_other_version()
+                if self.parser.other_version is not None:
+                    self._wrong_version(self.parser.other_version)
         raise RigError(
             f"no answer from a musclewire board on {self._line.name} within {max_wait_s:g} s: check port, baud rate "
             "and that the board runs the firmware"
         )
-
-    def _refuse_other_version(self) -> None:
-        if self.parser.other_version is not None:
-            self._wrong_version(self.parser.other_version)
 
     def _checked(self, identity: BoardIdentity) -> BoardIdentity:
         if identity.protocol_version != PROTOCOL_VERSION:

@@ -253,12 +253,6 @@ class SerialDevice:
             "board_tick_s": self._identity.tick_period_s,
             "board_started_by": self._identity.reset_by,
             "port": self._configuration.port,
-            **self.link_counts(),
-        }
-
-    def link_counts(self) -> Metadata:
-        """Return the line's counts of lost frames, broken frames and repeated commands."""
-        return {
             "lost_frames": self._board.lost_frames,
             "broken_frames": self._board.parser.errors.total,
             "repeated_commands": self._board.repeated_commands,

@@ -104,8 +104,10 @@ def observe_cooling(recording: Recording, bench: Mapping[str, float], title: str
     ambient_k = known.get("ambient_temperature_k", load_bench("paper").ambient_temperature_k.value)
     start_k = start_of(channels, known)
     refuse_what_does_not_cool(channels, start_k, ambient_k)
-    if "strain" in channels:
-        channels["strain"] = in_contraction(channels["strain"])
+    strain = channels.get("strain")
+    # Contraction falls while the wire cools; elongation changes its sign.
+    if strain is not None and strain.values[0] < strain.values[-1]:
+        channels["strain"] = strain._replace(values=-strain.values)
     return CoolingObservation(title, start_k, period_s, even.size, known, bench.get("diameter_m"), channels)
 
 
@@ -153,8 +155,3 @@ def refuse_what_does_not_cool(channels: Mapping[str, RawChannel], start_k: float
             f"it begins at {start_k - 273.15:.1f} C, no warmer than the air: a wire at rest identifies nothing, begin "
             "hotter"
         )
-
-
-def in_contraction(raw: RawChannel) -> RawChannel:
-    """Return strain positive in contraction, which falls while the wire cools; elongation changes its sign."""
-    return raw if raw.values[0] >= raw.values[-1] else raw._replace(values=-raw.values)

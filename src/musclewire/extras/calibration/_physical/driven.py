@@ -70,10 +70,6 @@ class DrivenObservation(ClockedObservation):
         self._keep = {name: keep for name, (_, keep) in made.items()}
         self.channels = [channel for channel, _ in made.values() if channel.measured.size]
 
-    def drive_at(self, times_s: FloatArray) -> FloatArray:
-        """Return the drive at some times from the start of the recording, both (n,)."""
-        return np.asarray(np.interp(times_s, self.ticks_s(), self._drive))
-
     @property
     def highest_drive_v(self) -> float:
         """The highest absolute voltage of the drive [V]."""

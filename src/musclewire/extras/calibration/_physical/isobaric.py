@@ -149,7 +149,7 @@ def refuse_moving(stress_pa: FloatArray, scatter_pa: float, first_row: int) -> N
     )
 
 
-def observe_isobars(isobars: Sequence[IsobaricLoop], title: str) -> IsobaricObservation:
+def observe_isobars(isobars: Sequence[IsobaricLoop]) -> IsobaricObservation:
     """Return isobars as one observation. Raises RecordingError if none of them shows a transformation."""
     strokes = [float(np.ptp(item.strain)) for item in isobars]
     if max(strokes) < MIN_STROKE:
@@ -158,4 +158,4 @@ def observe_isobars(isobars: Sequence[IsobaricLoop], title: str) -> IsobaricObse
             f"{min(item.temperature_k.min() for item in isobars) - 273.15:.0f} C and "
             f"{max(item.temperature_k.max() for item in isobars) - 273.15:.0f} C, so nothing can be identified"
         )
-    return IsobaricObservation(title, sorted(isobars, key=lambda item: item.stress_pa))
+    return IsobaricObservation("isobars", sorted(isobars, key=lambda item: item.stress_pa))

@@ -156,11 +156,6 @@ def even_clock(time_s: FloatArray) -> tuple[NDArray[np.intp], float]:
     return np.clip(np.searchsorted(time_s, ticks - 1e-12), 0, time_s.size - 1), period_s
 
 
-def bin_size(samples: int) -> int:
-    """Return the number of samples in a bin, such that there are at most 400 bins."""
-    return max(1, -(-samples // MAX_BINS))
-
-
 def binned_channel(
     name: str, raw: RawChannel, time_s: FloatArray, size: int, stretches: int
 ) -> tuple[ObservedChannel, NDArray[np.bool_]]:
@@ -231,7 +226,7 @@ class ClockedObservation:
         self._period_s = sample_period_s
         self._diameter_m = diameter_m
         self._max_step_s = MAX_STEP_S
-        self._bin = bin_size(samples)
+        self._bin = max(1, -(-samples // MAX_BINS))  # samples in a bin
 
     def refined(self) -> Self:
         """Return the same observation, simulated with the step that a rig uses."""

@@ -120,7 +120,7 @@ def observations_of(
     if isobars:
         notes.append(f"strain of isobars: positive in {'contraction' if counts_contraction(isobars) else 'elongation'}")
         with named_errors(", ".join(isobar_names)):
-            found.append(observe_isobars(in_elongation(isobars), "isobars"))
+            found.append(observe_isobars(in_elongation(isobars)))
     return found, list(dict.fromkeys(notes))
 
 

@@ -126,7 +126,8 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
             self._running = False
             self._observed[3:5] = 0.0, self._target_at(self._sample)
             reward = -PERCENT * self._targets.max() * (last - self._sample + 1)
-            return self._observed.copy(), float(reward), True, False, {"event": event_name(error)}
+            event = error.event.name.lower() if isinstance(error, ProtectionTripError) else str(error)
+            return self._observed.copy(), float(reward), True, False, {"event": event}
         self._observe(sample)
         assert sample.displacement_m is not None  # every simulated rig has this sensor
         strain = sample.displacement_m / self._rig.leg_length_m
@@ -152,8 +153,3 @@ class WireEnv(gymnasium.Env[FloatArray, FloatArray]):
         if self._model is not None:
             estimate, self._sensed, _ = self._estimator.step(self._sensed, wire_sample(sample))
             self._observed[5] = estimate.value
-
-
-def event_name(error: RigError) -> str:
-    """Return the protection's name of what ended an episode, or what the rig said."""
-    return error.event.name.lower() if isinstance(error, ProtectionTripError) else str(error)

@@ -124,7 +124,8 @@ class WireVectorEnv(VectorEnv[FloatArray, FloatArray, Any]):
         self._seed, self._level_of_sample = 0, self._episode.level_of_sample(period_s)
         self.single_action_space = action_space()
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self.single_observation_space = observation_space(widest_limits(wires), self._episode, known)
+        widest = ProtectionLimits(*map(max, zip(*(wire.limits for wire in wires), strict=True)))
+        self.single_observation_space = observation_space(widest, self._episode, known)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self._observed = np.zeros((num_envs, *(self.single_observation_space.shape or ())))
 
@@ -291,9 +292,3 @@ def facts_of(wire: SimulatedWire) -> NDArray[np.void]:
     facts["leg_length_m"] = wire.constants.leg_length_m
     facts["acquisition_step_v"] = 2.0 * wire.bench["acquisition_range_v"] / 2.0 ** wire.bench["acquisition_bits"]
     return facts
-
-
-def widest_limits(wires: Sequence[SimulatedWire]) -> ProtectionLimits:
-    """Return limits with the largest numbers of all rigs: what any of them may show is within."""
-    columns = zip(*(wire.limits for wire in wires), strict=True)
-    return ProtectionLimits(*(max(column) for column in columns))

@@ -207,11 +207,6 @@ class ModelDescription(NamedTuple):
     log_owners: Sequence[tuple[str, str]]
 
 
-def known_units() -> list[str]:
-    """Return the units that variables may have."""
-    return list(UNITS)
-
-
 def description_text(about: ModelDescription, variables: FmuVariables) -> str:
     """Return the text of ``modelDescription.xml``."""
     root = model_element(about)

@@ -234,7 +234,8 @@ def export_fmu(
         assert not isinstance(source, SensingModel)
         contents = contents_of_wire(source)
     texts = fmu_texts(chosen, contents)
-    binary = None if sources_only else compiled_binary(chosen, sources_of(texts))
+    sources = {path.removeprefix("sources/"): text for path, text in texts.items() if path.startswith("sources/")}
+    binary = None if sources_only else compiled_binary(chosen, sources)
     files = {path: text.encode("utf-8") for path, text in texts.items()}
     if binary is not None:
         files[binary.path] = binary.content
@@ -250,11 +251,6 @@ def export_fmu(
         compiler=binary.compiler if binary is not None else "",
         left_out=contents.left_out,
     )
-
-
-def sources_of(texts: Mapping[str, str]) -> dict[str, str]:
-    """Return the C files of an FMU by name."""
-    return {path.removeprefix("sources/"): text for path, text in texts.items() if path.startswith("sources/")}
 
 
 def contents_of_model(

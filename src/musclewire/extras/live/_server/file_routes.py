@@ -19,20 +19,20 @@ from musclewire.errors import CallerError
 from musclewire.extras.live._server.bench_routes import PROBLEMS, SessionOf
 from musclewire.extras.live._server.http_messages import RecordingList, RecordingSummary
 
-RECORDINGS, MODELS = (".h5",), (".json",)
+RECORDINGS = (".h5",)
 # Letters and digits of ASCII first, then also blank, dot, hyphen and underscore: no separator, no drive, no "..".
 NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9 _-]|\.(?!\.)){0,99}")
 MAX_LISTED = 500
 
 
-def named_file(folder: Path, name: str, suffixes: tuple[str, ...]) -> Path:
-    """Return the path of a file of a session. CallerError for anything else, with the same words whatever it is."""
-    if NAME.fullmatch(name) and name.endswith(suffixes):
+def named_file(folder: Path, name: str) -> Path:
+    """Return the path of a session's recording. CallerError for anything else, with the same words whatever it is."""
+    if NAME.fullmatch(name) and name.endswith(RECORDINGS):
         path = folder / name
         if is_inside(path, folder):
             return path
     raise CallerError(
-        f"no file of that name with {' or '.join(suffixes)} in the session's folder: choose one that is listed"
+        f"no file of that name with {' or '.join(RECORDINGS)} in the session's folder: choose one that is listed"
     )
 
 
@@ -72,7 +72,7 @@ async def list_recordings(session: SessionOf) -> RecordingList:
 def recording_path(session: SessionOf, name: str) -> Path:
     """Return the path of a recording by its name."""
     try:
-        return named_file(session.folder, name, RECORDINGS)
+        return named_file(session.folder, name)
     except CallerError as error:
         raise HTTPException(404, str(error)) from None
 
