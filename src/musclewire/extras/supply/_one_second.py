@@ -80,7 +80,7 @@ def contracting_current_a(constants: WireConstants, seconds: float, displacement
 
 
 def one_second_current(alloy: Alloy, wire: Wire, bench: Bench) -> OneSecondDrive:
-    """Return the current that brings a cold wire to a fraction of its stroke in a second; NumericsError if none does."""
+    """Return the current that brings a cold wire to a fraction of its stroke in 1 s; NumericsError if none does."""
     constants = constants_from(alloy, wire, bench)
     stroke = full_stroke(constants)
     current_a = contracting_current_a(constants, 1.0, CONTRACTED_FRACTION * stroke * constants.leg_length_m)
