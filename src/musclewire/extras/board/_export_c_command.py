@@ -154,10 +154,7 @@ def export_text(answer: ExportCAnswer, rig: str) -> str:
 
 
 def limits_of_rig(rig: str | Path) -> tuple[ProtectionLimits, Metadata]:
-    """Return limits and facts of a rig without driving anything: a simulated one, or a board's rig file.
-
-    Raises CallerError for a rig of another kind.
-    """
+    """Return limits and facts of a simulated rig or a board's rig file. Raises CallerError for another kind."""
     configuration, where = rig_configuration(rig)
     if isinstance(configuration, RigConfiguration):
         with open_rig(configuration) as opened:

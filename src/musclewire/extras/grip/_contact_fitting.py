@@ -126,10 +126,7 @@ def fit_free_closing(recordings: Sequence[Recording], alloy: str = "flexinol") -
 
 
 def power_terms(blocks: Sequence[tuple[float, float, float]]) -> tuple[FloatArray, FloatArray]:
-    """Return polynomials of holding power [W] and energy of motion [J] fitted to blocks.
-
-    Raises RecordingError if one is negative.
-    """
+    """Return polynomials of holding power [W] and energy of motion [J]. Raises RecordingError if one is negative."""
     place, rate_per_s, power_w = np.array(blocks).T
     basis = np.hstack(
         [np.vander(place, HOLDING_ORDER + 1, increasing=True),

@@ -117,10 +117,7 @@ def pull_at(pull: LinearizedForce, contraction: float) -> float:
 def held_wire(
     wire: RunningWire, start: BalanceGuess, guess: tuple[float, float], contraction: float, expected_n: float
 ) -> Equilibrium:
-    """Return a wire whose connector is held at a contraction by a stiff spring that there has the force expected [N].
-
-    If the force was not met it ends a little next to the contraction: on its curve all the same.
-    """
+    """Return a wire held at about a contraction by a stiff spring that there has the force expected [N]."""
     state, k = wire.state, wire.constants
     before = (state.connector_contraction, state.friction_n)
     own_n = load_at(k, wire.load, contraction, before, NO_PUSH).force_n

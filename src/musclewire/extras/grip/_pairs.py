@@ -191,10 +191,7 @@ def attempt_of_one(
     step_s: float,
     joined: bool,
 ) -> StepAttempt:
-    """Return the attempt of one wire from start, middle and end of the step, as that of a single wire is made.
-
-    The slopes of a joined wire are taken over the whole step: they contain how the other wire moved.
-    """
+    """Return the attempt of one wire; slopes are over the whole step, as they contain how the other wire moved."""
     began, within, ended = instants
     state, k = wire.state, wire.constants
     owes_j = owed_j(began, within, ended, step_s)

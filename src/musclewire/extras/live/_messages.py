@@ -201,10 +201,7 @@ class Answer(NamedTuple):
 
 
 def read_command(data: object) -> Command:
-    """Return a command from decoded JSON, an object with the key ``do`` and the command's own keys.
-
-    Raises CallerError for an unknown command, an unknown or missing key, and a value out of its range.
-    """
+    """Return a command from decoded JSON. Raises CallerError for unknown or missing keys and values out of range."""
     try:
         return COMMANDS.validate_python(data)
     except ValidationError as error:

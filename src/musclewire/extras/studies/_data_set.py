@@ -35,10 +35,7 @@ def write_data(
     texts: Mapping[str, Sequence[str]],
     overheated: Sequence[Overheated] = (),
 ) -> None:
-    """Write all runs as one Parquet file, whole or not at all: a row for each run, a list in a row for a series.
-
-    Each run has its error, "" for one that went well; ``overheated`` ones have their temperature, others none.
-    """
+    """Write all runs as one Parquet file, whole or not at all: a row for each run, with error and overheating."""
     require_extra("a study's data set", "sweep")
     import pyarrow as pa
     from pyarrow import parquet

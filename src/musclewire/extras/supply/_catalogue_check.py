@@ -63,12 +63,7 @@ def dead_weight_bench(bench: Bench, diameter_m: float, stress_pa: float = PULL_S
     return bench.with_values(legs=1.0, spring_stiffness_n_per_m=0.0, guide_friction_n=0.0, pretension_n=weight_n)
 
 
-def run_catalogue_test(
-    alloy: Alloy,
-    wire: Wire,
-    bench: Bench,
-    current_a: float,
-) -> CatalogueRun:
+def run_catalogue_test(alloy: Alloy, wire: Wire, bench: Bench, current_a: float) -> CatalogueRun:
     """Heat a wire under a dead weight by a constant current for a second, let it cool; measure both."""
     constants = constants_from(alloy, wire, dead_weight_bench(bench, wire.diameter_m.value))
     loss = constants.convection_factor * constants.surface_m2 * float(constants.convection_table_w_per_m2_k[80])

@@ -407,10 +407,7 @@ def warnings_for(plan: SupplyPlan, numbers: DriveNumbers, settled_k: float) -> l
 
 
 def catalogue_side(plan: SupplyPlan) -> dict[str, Any] | None:
-    """Return what the catalogue prints for this wire, each number with its status; None for other wires.
-
-    ``test_cooling_s`` is ours in the vendor's own test: 172 MPa, the catalogue's current for one second.
-    """
+    """Return the catalogue's numbers for this wire, with ours in its own test (172 MPa, 1 s); None for other wires."""
     if plan.row is None:
         return None
     alloy, bench = load_alloy(plan.wire.alloy), load_bench(BENCH)

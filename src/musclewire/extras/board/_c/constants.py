@@ -99,10 +99,7 @@ def collect(
     protection: ProtectionLimits,
     estimator: str = PAPER_ESTIMATOR,
 ) -> CConstants:
-    """Return the numbers of a library; without a rule base by the one that the settings name, if they do.
-
-    Raises CallerError if drive limits and protection disagree.
-    """
+    """Return a library's numbers. Raises CallerError if drive limits and protection disagree."""
     checked = protection.checked()
     for name in ("sense_voltage_v", "maximum_voltage_v"):
         asked, allowed = getattr(limits, name), getattr(checked, name)

@@ -69,10 +69,7 @@ def exercise(
     ticks_a_control: int = 1,
     fault_probability: float = 0.01,
 ) -> Iterator[ExerciseRow]:
-    """Run the reference through random ticks; after a trip it is started again a few ticks later.
-
-    ``fault_probability`` is the probability of a fault at each tick. The same seed gives the same ticks.
-    """
+    """Run the reference through random ticks, each with a ``fault_probability``, and start it again after a trip."""
     random = np.random.default_rng(require_seed(seed))
     bench = (_WireInAir if reference.estimator == FILTER else _RandomWalkWire)(reference, random)
     start, tripped_for = True, 0

@@ -44,11 +44,7 @@ def constants_header(
 
 
 def model_checksum(constants: CConstants) -> int:
-    """Return the crc32 (IEEE 802.3) by which a host recognises a model with its controller.
-
-    Circuit and limits are not included: they belong to the board, and a host that checks which loop the board runs has
-    only model and controller to compare.
-    """
+    """Return the crc32 (IEEE 802.3) of model and controller alone: circuit and limits belong to the board."""
     chosen = {heading: group for heading, group in constants.groups.items() if heading in CONTROL_HEADINGS}
     return zlib.crc32(_body(CConstants(chosen)).encode())
 

@@ -62,10 +62,9 @@ class SamplePeriodLayout(NamedTuple):
         return ReadingSpan(fetch, self.readings, 1)
 
     def following(self, waiting: int) -> ReadingSpan:
-        """Return the span of a sample whose drive was written when ``waiting`` readings had come since the last one.
+        """Return the span of a sample whose drive was written after ``waiting`` readings.
 
-        All its averaged readings are taken under that drive. A host that was late skips whole periods, so that times
-        stay multiples of the period.
+        A late host skips whole periods, so that times stay their multiples.
         """
         late = max(0, waiting - self.decision)
         if self.clocked:

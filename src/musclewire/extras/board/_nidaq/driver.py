@@ -62,11 +62,7 @@ class DaqFaultError(RigError):
 
 
 def daq_fault(error: Any, device: str) -> DaqFaultError:
-    """Return one of nidaqmx's exceptions as a fault of one line.
-
-    Takes ``DaqError``, ``DaqNotFoundError``, ``DaqNotSupportedError``, ``DaqFunctionNotSupportedError`` and
-    ``RpcError`` (package nidaqmx, ``nidaqmx.errors``).
-    """
+    """Return an exception of ``nidaqmx.errors``, or its gRPC's ``RpcError``, as a fault of one line."""
     kind = type(error).__name__
     if kind in ("DaqNotFoundError", "DaqNotSupportedError"):
         return DaqFaultError(

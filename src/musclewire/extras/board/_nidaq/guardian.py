@@ -60,10 +60,7 @@ class GuardianOrders(NamedTuple):
 
 
 class SilenceWatch:
-    """The rule for a silent host: times in, voltage out, without a clock of its own.
-
-    It applies only while the wire is driven above the sense voltage: below, silence does no harm.
-    """
+    """The rule for a silent host while the wire is driven: times in, voltage out, without a clock of its own."""
 
     def __init__(self, orders: GuardianOrders) -> None:
         """Start with nothing out."""

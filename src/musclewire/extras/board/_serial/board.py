@@ -82,10 +82,7 @@ class Board:
         return self._only_off
 
     def order_off(self) -> None:
-        """Order 0 V at once and let no other command out after it; from any thread.
-
-        The board's answer wakes the thread that waits for a message. Raises LineLostError if the line is gone.
-        """
+        """Order 0 V from any thread and let no other command out after it. Raises LineLostError if the line is gone."""
         self._only_off = True  # a command that is being sent goes out before the order, any later one is refused
         self.send(MessageKind.OFF)
 

@@ -456,10 +456,7 @@ class SerialDevice:
 
 
 def opened(configuration: SerialConfiguration) -> SerialDevice:
-    """Return the board of a rig file.
-
-    Raises RigError if no board answers, CallerError if the file and the board's firmware contradict each other.
-    """
+    """Return a rig file's board. Raises RigError without an answer, CallerError if file and firmware disagree."""
     board = Board(open_line(configuration.port, configuration.baud, configuration.patience))
     try:
         return SerialDevice(configuration, board, identity=identity_of(configuration.port))

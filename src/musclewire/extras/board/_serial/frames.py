@@ -87,10 +87,7 @@ def encode_frame(frame: SerialFrame) -> bytes:
 
 @dataclass
 class FrameParser:
-    """Bytes in, frames out: damaged frames are dropped and counted, and a wrong version is remembered.
-
-    Between two calls it keeps the bytes of an incomplete frame, never more than a frame's length.
-    """
+    """Bytes in, frames out; damaged ones are dropped and counted, and an incomplete one is kept for the next call."""
 
     accepted: int = 0
     errors: LinkErrors = field(default_factory=LinkErrors)

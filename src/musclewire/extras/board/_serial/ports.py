@@ -37,10 +37,7 @@ def serial_ports() -> list[SerialPort]:
 
 
 def identity_of(port: str) -> str:
-    """Return a text by which the board at a port is known again: its USB converter's serial number, else the port.
-
-    Some makers give all their converters one number: if two ports have the same here, it says nothing.
-    """
+    """Return a board's USB serial number, by which it is known again, or its port if two ports have the same number."""
     if "://" in port:
         return port
     place = os.path.normcase(port if os.name == "nt" else os.path.realpath(port))
@@ -78,10 +75,7 @@ class PortHolder(NamedTuple):
 
 
 def holder_of(port: str) -> PortHolder | None:
-    """Return the program that has a port of this computer open, None if the system does not show it.
-
-    Linux lists locks whoever holds them, open files only of one's own programs.
-    """
+    """Return the program that locks a local port, or of one's own that has it open; None if the system shows none."""
     try:
         node = Path(port).stat()
         processes = [*locking_processes(node, lines_of(PROCESSES / "locks")), *opening_processes(node)]

@@ -145,7 +145,7 @@ class ParticleFilter:
         return tuple(after), answers
 
     def _opinions(self, answers: list[FloatArray], seen: QuantityEstimate | None) -> list[ExplanationEstimate]:
-        """Return what each explanation says; ``seen`` is that of the filter on the model where it is valid.
+        """Return what each explanation says, where valid with that of the filter on the model, ``seen``.
 
         Little distinguishes a change of load from one of load and air: both filters then have half a vote.
         """

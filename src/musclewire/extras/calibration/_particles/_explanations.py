@@ -42,11 +42,7 @@ def weights_of(evidence: Sequence[float], cost: float, softness: float) -> Float
 def combined_estimate(
     opinions: Sequence[ExplanationEstimate], evidence: Sequence[float], settings: ParticleSettings
 ) -> ExplanationEstimate:
-    """Return the value by the weights of the explanations, and a deviation that doubts these weights.
-
-    Evidence is gathered from few independent samples: an explanation that is a little worse counts for nothing in the
-    value, but stays possible for the standard deviation.
-    """
+    """Return the value by the explanations' weights, and a deviation that doubts these: few samples are independent."""
     weight = weights_of(evidence, settings.load_cost, 1.0)
     value = sum(part * opinion.value for part, opinion in zip(weight, opinions, strict=True))
     doubted = weights_of(evidence, 0.5 * settings.load_cost, settings.softness)

@@ -45,10 +45,7 @@ TARED_FRACTION = 0.02
 
 
 def checked_settings(given: Mapping[str, float | str]) -> dict[str, float]:
-    """Return the settings of a user in SI; they are numbers, or text with a unit.
-
-    Raises CallerError for unknown names, wrong units and impossible numbers.
-    """
+    """Return a user's settings in SI. Raises CallerError for unknown names, wrong units and impossible numbers."""
     found = {}
     for name, setting in given.items():
         if name not in SETTABLE:
@@ -157,10 +154,7 @@ def assumed_of_bench(known: Mapping[str, float]) -> list[str]:
 
 
 def diameter_of(recordings: Mapping[str, Recording], given: Mapping[str, float]) -> float | None:
-    """Return the diameter [m] that recordings and user state, None if none does.
-
-    Raises CallerError if the recordings are of wires of different diameters.
-    """
+    """Return the diameter [m] stated by recordings or user, None if by none. Raises CallerError if wires differ."""
     if "diameter_m" in given:
         return given["diameter_m"]
     stated = {name: recording.facts.number_or_none("wire_diameter_m") for name, recording in recordings.items()}

@@ -118,7 +118,7 @@ class DrivenObservation(ClockedObservation):
 
 
 def observe_drive(recording: Recording, bench: Mapping[str, float], title: str) -> DrivenObservation:
-    """Return a driven recording as an observation; ``bench`` holds the user's numbers of the bench.
+    """Return a driven recording as an observation, with the user's numbers of the ``bench``.
 
     Raises RecordingError if nothing was driven, measured or transformed, CallerError if the bench is not known.
     """

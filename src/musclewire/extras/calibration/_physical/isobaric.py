@@ -68,10 +68,7 @@ class IsobaricObservation:
 
 
 def counts_contraction(isobars: Sequence[IsobaricLoop]) -> bool:
-    """Return whether strain rises with temperature, that is whether contraction is positive, as in our own recordings.
-
-    The covariance is summed over all loops, since almost without load there is only thermal expansion.
-    """
+    """Return whether strain rises with temperature over all loops: almost without load it only expands."""
     return sum(float(np.cov(item.temperature_k, item.strain)[0, 1]) for item in isobars) > 0.0
 
 
@@ -114,11 +111,7 @@ def isobars_in(recording: Recording) -> list[IsobaricLoop]:
 
 
 def changes_of_level(stress_pa: FloatArray, scatter_pa: float) -> list[int]:
-    """Return the rows at which a stress, (n,), steps to another level.
-
-    Means over the rows before and after are compared, so that a step counts from the scatter of a mean, not of a row;
-    the step is where they differ most.
-    """
+    """Return the rows at which a stress, (n,), steps: where means over the rows before and after differ most."""
     rows = np.arange(1, stress_pa.size)
     total = np.concatenate([[0.0], np.cumsum(stress_pa)])
     first, last = np.maximum(rows - MEAN_ROWS, 0), np.minimum(rows + MEAN_ROWS, stress_pa.size)

@@ -67,10 +67,7 @@ class Observation(Protocol):
         ...
 
     def simulate(self, values: WireValues) -> Mapping[str, FloatArray]:
-        """Return the simulated channels of a wire by name, in their units and on their axes, (n,).
-
-        Raises NumericsError if the wire cannot be simulated.
-        """
+        """Return the simulated channels by name, (n,). Raises NumericsError if the wire cannot be simulated."""
         ...
 
 
@@ -211,10 +208,7 @@ def contraction_force_n(recording: Recording) -> FloatArray:
 
 
 class ClockedObservation:
-    """A wire on an even clock, on a bench of which numbers are known: what a drive and a cooling curve have in common.
-
-    Its channels are compared in bins.
-    """
+    """A wire on an even clock and a known bench, driven or cooling; its channels are compared in bins."""
 
     def __init__(
         self, title: str, sample_period_s: float, samples: int, bench: Mapping[str, float], diameter_m: float | None

@@ -41,10 +41,7 @@ class StartingPoint(NamedTuple):
 def start_of(
     recordings: Mapping[str, Recording], wire: str, given: Mapping[str, float]
 ) -> tuple[StartingPoint, list[str]]:
-    """Return the start of a search, with the diameter and drive of the recordings, and the assumptions made.
-
-    Raises CallerError for an unknown wire, or recordings of different ones.
-    """
+    """Return a search's start, with assumptions. Raises CallerError for an unknown wire, or recordings of several."""
     named = load_wire(wire)
     diameter = diameter_of(recordings, given)
     notes: list[str] = []

@@ -252,10 +252,7 @@ def possible_of(
 
 
 def why_marks_are_left_out(found: PossibleWires, marks: Marks) -> str:
-    """Return why marks are left out, "" for marks that help.
-
-    Marks that would hardly lessen the uncertainty move the result by their own error and gain nothing.
-    """
+    """Return why marks are left out, as their own error would outweigh what they tell; "" for marks that help."""
     known_m = float(found.curves.largest.std(ddof=1)) * found.metres_per_unit
     if marks.stroke_std_m <= COARSE * known_m:
         return ""
@@ -313,10 +310,7 @@ def assumed_of(recording: Recording, wire: str, bench: Mapping[str, float | str]
 def model_between_measured_ends(
     found: PossibleWires, recording: Recording, observation: ResistanceAndMarks, assumed: AssumedWire
 ) -> SensingModel:
-    """Return the likeliest wire's model between the resistances of B and C that were measured.
-
-    The simulated motion says when the recording's loops begin and turn.
-    """
+    """Return the likeliest wire's model between measured B and C, with loops by the simulated motion."""
     reading = resistance_reading(recording)
     ticks_s = observation.driven.ticks_s()
     moved_m = observation.loop(assumed.candidates.wire_values(found.coordinates))[1]

@@ -27,10 +27,7 @@ class PossibleCurves(NamedTuple):
 
 
 def possible_curves(drawn: FloatArray, model_of: Callable[[FloatArray], SensingModel]) -> PossibleCurves:
-    """Return the curves of drawn wires; a wire without a usable loop is passed over.
-
-    Raises NumericsError if hardly any of them has one.
-    """
+    """Return the curves of the drawn wires that have a usable loop. Raises NumericsError if hardly any has one."""
     curves, largest, kept = [], [], []
     for coordinates in drawn:
         try:

@@ -49,10 +49,7 @@ def sampled_system(linear: LinearWire, period_s: float, model: SensingModel | No
 
 
 def controller_system(settings: PidSettings, period_s: float) -> Any:
-    """Return the ``control.TransferFunction`` of ``pid`` from strain error to drive voltage, away from its limits.
-
-    The controller's derivative acts on the measured strain. In the loop that is the same transfer function.
-    """
+    """Return the ``control.TransferFunction`` of ``pid`` from strain error to drive voltage, away from its limits."""
     z = control.tf([1.0, 0.0], [1.0], period_s)
     weight = period_s / (settings.derivative_filter_s + period_s)
     rate = (weight / period_s) * (z - 1.0) / (z - (1.0 - weight))

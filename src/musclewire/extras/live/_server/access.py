@@ -49,10 +49,7 @@ class ControlClient:
 
 
 class BenchControl:
-    """Control of one bench. All times are of one clock that does not jump, given by the caller.
-
-    ``lease_s`` is how long its holder may give no sign: ``LEASE_S`` while the wire may be heated.
-    """
+    """Control of one bench, at times of the caller's clock; its holder may be silent for ``lease_s``."""
 
     def __init__(self) -> None:
         """Begin with no holder."""
@@ -129,10 +126,7 @@ def new_token() -> str:
 
 
 def own_token() -> str | None:
-    """Return the token of this user, which programs and pages of the same user know; None without a home folder.
-
-    It is made once, in the user's state folder, so that bookmarks hold. CallerError if others may read it.
-    """
+    """Return this user's token, kept in the state folder, None without a home. CallerError if others may read it."""
     try:
         path = state_folder() / "live_token"
         path.parent.mkdir(parents=True, exist_ok=True)

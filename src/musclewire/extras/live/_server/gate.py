@@ -64,10 +64,7 @@ class Refusal(NamedTuple):
 
 
 class Gate:
-    """ASGI middleware around the whole application.
-
-    ``stops`` returns how many stops each bench has had: a request that passes comes after them, before its body does.
-    """
+    """ASGI middleware around the application; ``stops`` counts each bench's stops, before a request's body comes."""
 
     def __init__(
         self,

@@ -89,10 +89,7 @@ class FingerRuns:
 
     @cached_property
     def initial_deflection_m(self) -> dict[bool, float]:
-        """Displacement of the endpoint while the wire is cold, at the chosen pretension: with and without pretensioner.
-
-        By the laser, against the same finger with no pretension in the wire.
-        """
+        """Displacement by laser of the cold endpoint against no pretension, with and without pretensioner."""
         return {kept: self._cold_endpoint_m(kept) for kept in (True, False)}
 
     def _cold_endpoint_m(self, with_pretensioner: bool) -> float:

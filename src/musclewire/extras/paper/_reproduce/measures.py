@@ -72,10 +72,7 @@ def drive_gap_pct(loop: SlowSineLoop) -> float:
 
 
 def outside_band(place: FloatArray, value: FloatArray, lower: Branch, upper: Branch) -> float:
-    """Return the largest distance of points, both (n,), outside the band between two curves; 0 inside.
-
-    A curve holds its last value beyond its ends.
-    """
+    """Return the largest distance of points, (n,), outside the band of two curves, which keep their last values."""
     first, second = np.interp(place, *lower), np.interp(place, *upper)
     bottom, top = np.minimum(first, second), np.maximum(first, second)
     return float(np.maximum(np.maximum(bottom - value, value - top), 0.0).max())
@@ -104,10 +101,7 @@ def plain_gap_pct(loop: SlowSineLoop) -> float:
 
 
 def largest_distance(one: Branch, other: Branch) -> float:
-    """Return the largest distance of two curves at equal resistance where they overlap.
-
-    Raises RecordingError if they share no resistance.
-    """
+    """Return the largest distance of curves at equal resistance. Raises RecordingError if they share none."""
     places = shared_places(one, other)
     return float(np.abs(np.interp(places, *one) - np.interp(places, *other)).max())
 
@@ -139,10 +133,7 @@ def one_sided_fraction(heating: Branch, cooling: Branch) -> float:
 
 
 def rank_correlation(places: Sequence[float], values: Sequence[float]) -> float:
-    """Return Spearman's rank correlation: -1 for values that fall throughout, 1 for values that rise throughout.
-
-    Equal values are ranked in the order given.
-    """
+    """Return Spearman's rank correlation, -1 for falling to 1 for rising values; equal ones rank in their order."""
     ranks = [np.argsort(np.argsort(row, kind="stable"), kind="stable") for row in (places, values)]
     return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
 
@@ -153,10 +144,7 @@ def falling_steps(values: Sequence[float]) -> int:
 
 
 def lowest_place(places: Sequence[float], values: Sequence[float]) -> float:
-    """Return the place of the smallest value over rising places: the vertex of the parabola through three.
-
-    At an end of the places it is that end.
-    """
+    """Return the place of the smallest value: an end, or the vertex of the parabola through three."""
     at, height = np.asarray(places, dtype=np.float64), np.asarray(values, dtype=np.float64)
     lowest = int(np.argmin(height))
     if lowest in {0, at.size - 1}:

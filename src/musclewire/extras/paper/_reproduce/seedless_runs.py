@@ -17,10 +17,7 @@ class NeedsSeedError(Exception):
 
 
 class SeedlessRuns:
-    """The part of ``RunCache`` that is the same for every seed; all else that is asked of it raises NeedsSeedError.
-
-    A check that can be measured on it is measured once and not for each seed.
-    """
+    """The part of ``RunCache`` that no seed changes, measured on once; anything else raises NeedsSeedError."""
 
     def __init__(self) -> None:
         """Make nothing yet."""

@@ -114,10 +114,7 @@ class MedianSpread(NamedTuple):
 
 
 def row_of_check(check: PaperCheck, found: Sequence[SeedResult], known: Mapping[str, str]) -> ReproductionRow:
-    """Return the row of a check from what each seed gave.
-
-    It fails if a tenth or more of the seeds have no number, whatever the median of the others.
-    """
+    """Return the row of a check from each seed's; it fails if a tenth of the seeds or more have no number."""
     values = [one.number for one in found if one.number is not None]
     missing = len(found) - len(values)
     spread = spread_of(values) if values else None

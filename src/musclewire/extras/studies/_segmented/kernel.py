@@ -172,10 +172,7 @@ def solve_segment(run: CompiledSegments, number: int, stress_pa: float) -> Equil
 
 @compiled_inline
 def balance_segments(run: CompiledSegments, guess_pa: float) -> CommonStress:
-    """Find the stress at which the segments, each at its enthalpy, contract to where the load has it.
-
-    Newton's method in a bracket: the less a wire carries the more it contracts, and the load rises with contraction.
-    """
+    """Find the stress at which the segments contract to where the load has it, by Newton's method in a bracket."""
     k, state = run.whole.constants, run.whole.state
     before = (state.connector_contraction, state.friction_n)
     low_pa, high_pa, stress_pa = 0.0, math.inf, guess_pa
