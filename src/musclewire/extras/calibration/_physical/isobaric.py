@@ -47,7 +47,6 @@ class IsobaricObservation:
             ObservedChannel(
                 f"strain at {isobar.stress_pa / 1e6:.4g} MPa",
                 "1",
-                "temperature_k",
                 isobar.temperature_k,
                 isobar.strain,
                 with_model_error(noise_level(isobar.strain), model_error, isobar.strain.size, CURVE_STRETCHES),

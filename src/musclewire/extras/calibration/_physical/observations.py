@@ -32,7 +32,6 @@ class ObservedChannel:
 
     name: str
     unit: str
-    axis_name: str
     axis: FloatArray
     measured: FloatArray
     uncertainty: FloatArray
@@ -165,7 +164,6 @@ def binned_channel(
     channel = ObservedChannel(
         name,
         raw.unit,
-        "time_s",
         binned(time_s, size)[keep],
         binned(np.where(raw.usable, raw.values, 0.0), size)[keep],
         with_model_error(deviation[keep], model_error(name, raw.values), int(keep.sum()), stretches),

@@ -252,7 +252,7 @@ def possible_of(
 
 
 def why_marks_are_left_out(found: PossibleWires, marks: Marks) -> str:
-    """Return why marks are left out, as their own error would outweigh what they tell; "" for marks that help."""
+    """Return why marks are left out, whose own error would outweigh what they add; "" for marks that help."""
     known_m = float(found.curves.largest.std(ddof=1)) * found.metres_per_unit
     if marks.stroke_std_m <= COARSE * known_m:
         return ""

@@ -99,7 +99,7 @@ class ResistanceAndMarks:
         self.channels: Sequence[ObservedChannel] = driven.channels
         if marks is not None and marks.stroke_m is not None:
             one = np.ones(1)
-            mark = ObservedChannel(MARK, "m", "none", 0.0 * one, marks.stroke_m * one, marks.stroke_std_m * one)
+            mark = ObservedChannel(MARK, "m", 0.0 * one, marks.stroke_m * one, marks.stroke_std_m * one)
             self.channels = [*driven.channels, mark]
 
     def refined(self) -> ResistanceAndMarks:

@@ -24,7 +24,6 @@ class Viewer:
         """Begin with nothing to send."""
         self.key, self.name, self.place = key, name, place
         self.layouts_seen: set[tuple[str, int]] = set()
-        self.frames_dropped = 0
         self._messages: deque[str] = deque()
         self._states: dict[str, str] = {}
         self._frames: deque[str] = deque()
@@ -44,7 +43,6 @@ class Viewer:
         """Send a frame of rows; if too many wait, the oldest is dropped."""
         if len(self._frames) >= MAX_FRAMES:
             self._frames.popleft()
-            self.frames_dropped += 1
         self._frames.append(text)
         self._something.set()
 
