@@ -29,7 +29,8 @@ and `compiled` at the end are promised: a release that changes one says so. What
 """
 RESULTS = """## What they return
 
-`help(run)` lists what each holds: the metrics of a run, the gaps of a sweep, the parameters of a calibration.
+`help(run)` lists what each holds, by names that end in their units: the metrics of a run, the gaps of a sweep, the
+parameters of a calibration.
 """
 COMPILED = """## A tick of your own in compiled loops
 

@@ -111,7 +111,10 @@ class Staircase(HeldTargets):
 
 @dataclass(frozen=True, eq=False)
 class SampledReference(HeldTargets):
-    """A target held from one time to the next (zero-order hold): before them the first value, after them the last."""
+    """A target given at certain times and held until the next (zero-order hold).
+
+    Before the first time the target is the first value, after the last time the last.
+    """
 
     time_s: FloatArray  # rising times, shape (n,)
     target: FloatArray  # the target from each time on, shape (n,): strain as a fraction, displacement [m] or force [N]

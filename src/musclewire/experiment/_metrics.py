@@ -49,17 +49,35 @@ class StepMetrics:
 
     The two differ in the first step only. An error is None without the instrument for it, without samples after the
     first second, and for a target of 0.
+
+    Parameters
+    ----------
+    target
+        Target of the step, in the unit of the run's quantity.
+    direction
+        "rise" or "return".
+    mae_pct
+        Mean absolute error of the reference instrument against the target [%] (Eq. 7), from the first target on.
+    estimate_mae_pct
+        That of the estimate against the reference instrument [%].
+    tracking_mae_pct
+        That of the estimate against the target [%]: what the loop itself can see.
+    mae_approached_pct
+        As ``mae_pct``, after the approach [%].
+    estimate_mae_approached_pct
+        As ``estimate_mae_pct``, after the approach [%].
+    tracking_mae_approached_pct
+        As ``tracking_mae_pct``, after the approach [%].
     """
 
-    target: float  # target of the step, in the unit of the run's quantity
-    direction: str  # "rise" or "return"
-    # Mean absolute error of the reference instrument against the target (Eq. 7), from the first target on.
+    target: float
+    direction: str
     mae_pct: float | None
-    estimate_mae_pct: float | None  # that of the estimate against the reference instrument
-    tracking_mae_pct: float | None  # that of the estimate against the target: what the loop itself can see
-    mae_approached_pct: float | None  # as ``mae_pct``, after the approach
-    estimate_mae_approached_pct: float | None  # as ``estimate_mae_pct``, after the approach
-    tracking_mae_approached_pct: float | None  # as ``tracking_mae_pct``, after the approach
+    estimate_mae_pct: float | None
+    tracking_mae_pct: float | None
+    mae_approached_pct: float | None
+    estimate_mae_approached_pct: float | None
+    tracking_mae_approached_pct: float | None
 
 
 @dataclass(frozen=True)
@@ -68,23 +86,47 @@ class ControlMetrics:
 
     The ``rms`` are over the whole run after the approach, or after its first second if there was none, in percent of
     the largest target.
+
+    Parameters
+    ----------
+    quantity
+        What was controlled: "strain", "displacement" or "force".
+    steps
+        Errors of each step; none if the target was not a staircase.
+    mae_max_pct
+        Largest of the steps' errors against the reference instrument [%], from the first target on; None without one.
+    mae_mean_pct
+        Mean of the same [%].
+    mae_max_approached_pct
+        Largest of the steps' errors after the approach [%].
+    mae_mean_approached_pct
+        Mean of the same [%].
+    approach_s
+        Time [s] for which the first target was held before the first step.
+    start
+        What the reference instrument read first, in the quantity's unit: where the wire came from; None without one.
+    valid_share
+        Fraction of the samples with a valid estimate, from where the wire is first sensed on: cold of B it cannot be.
+    rms_pct
+        Reference instrument against target [%]; None without an instrument.
+    estimate_rms_pct
+        Estimate against reference instrument [%]; None without an instrument.
+    tracking_rms_pct
+        Estimate against target [%].
     """
 
-    quantity: str  # what was controlled: "strain", "displacement" or "force"
-    steps: tuple[StepMetrics, ...] = ()  # errors of each step; none if the target was not a staircase
-    # Largest of the steps' errors against the reference instrument, from the first target on; None without one.
+    quantity: str
+    steps: tuple[StepMetrics, ...] = ()
     mae_max_pct: float | None = None
-    mae_mean_pct: float | None = None  # mean of the same
-    mae_max_approached_pct: float | None = None  # largest of the steps' errors after the approach
-    mae_mean_approached_pct: float | None = None  # mean of the same
-    approach_s: float = 0.0  # time for which the first target was held before the first step
-    # What the reference instrument read first, in the quantity's unit: where the wire came from; None without one.
+    mae_mean_pct: float | None = None
+    mae_max_approached_pct: float | None = None
+    mae_mean_approached_pct: float | None = None
+    approach_s: float = 0.0
     start: float | None = None
-    # Fraction of the samples with a valid estimate, from where the wire is first sensed on: cold of B it cannot be.
     valid_share: float = 1.0
-    rms_pct: float | None = None  # reference instrument against target; None without an instrument
-    estimate_rms_pct: float | None = None  # estimate against reference instrument; None without an instrument
-    tracking_rms_pct: float = 0.0  # estimate against target
+    rms_pct: float | None = None
+    estimate_rms_pct: float | None = None
+    tracking_rms_pct: float = 0.0
 
     @property
     def approach(self) -> str:
@@ -191,9 +233,14 @@ def percent(value: float | None) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ControlRun(Recording):
-    """A recording of a closed loop with its metrics."""
+    """A recording of a closed loop with its metrics.
 
-    # Errors of each step and of the whole run.
+    Parameters
+    ----------
+    metrics
+        Errors of each step and of the whole run.
+    """
+
     metrics: ControlMetrics = field(default_factory=lambda: ControlMetrics("strain"))
 
 

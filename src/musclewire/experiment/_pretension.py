@@ -36,18 +36,39 @@ COLOURS = {"strain": "#1f6f8b", "force": "#c8553d", "displacement": "#1f6f8b"}
 
 @dataclass(frozen=True)
 class PretensionRow:
-    """One setting of the linear stage and the loop it gave."""
+    """One setting of the linear stage and the loop it gave.
+
+    Parameters
+    ----------
+    pretension_n
+        Setting [N].
+    strain_gap_pct
+        Gap of strain, of its largest value [%] (Eq. 2).
+    force_gap_pct
+        Gap of force [%]; None without a load cell or without a spring.
+    displacement_gap_pct
+        Gap of displacement [%] (Eq. 9); None without its instrument.
+    stroke_pct
+        Strain from cold to hot [%].
+    recording
+        The loop.
+    no_force_gap
+        Why there is no gap of force; "" if there is one.
+    largest_force_n
+        Largest pull of the wire in the loop [N]; the pretension without a load cell, None if the rig does not state its
+        wire.
+    within_limit
+        Whether that is within the stress that the wire's vendor names for many cycles; True if no limit is known.
+    """
 
     pretension_n: float
-    strain_gap_pct: float  # gap of strain, of its largest value (Eq. 2)
-    force_gap_pct: float | None  # gap of force; None without a load cell or without a spring
-    displacement_gap_pct: float | None  # gap of displacement (Eq. 9); None without its instrument
-    stroke_pct: float  # strain from cold to hot
-    recording: Recording  # the loop
-    no_force_gap: str = ""  # why there is no gap of force; "" if there is one
-    # Largest pull of the wire in the loop; the pretension without a load cell, None if the rig does not state its wire.
+    strain_gap_pct: float
+    force_gap_pct: float | None
+    displacement_gap_pct: float | None
+    stroke_pct: float
+    recording: Recording
+    no_force_gap: str = ""
     largest_force_n: float | None = None
-    # Whether that is within the stress that the wire's vendor names for many cycles; True if no limit is known.
     within_limit: bool = True
 
     def gap_pct(self, quantity: str) -> float | None:
@@ -62,18 +83,32 @@ class PretensionRow:
 
 @dataclass(frozen=True)
 class PretensionSweep:
-    """All settings of a sweep; ``best`` is the one with the smallest gap of the quantity to be sensed."""
+    """All settings of a sweep; ``best`` is the one with the smallest gap of the quantity to be sensed.
 
-    rows: tuple[PretensionRow, ...]  # the settings that gave a loop, with their gaps, in their order
-    failures: tuple[str, ...]  # a sentence for each setting that gave none
-    quantity: str = "strain"  # the quantity whose gap decides: "strain", "displacement" or "force"
-    # A sentence for each setting at which the wire pulled harder than it may, and what the recommended setting and
-    # those of the lowest and the highest stress exceed.
+    Parameters
+    ----------
+    rows
+        The settings that gave a loop, with their gaps, in their order.
+    failures
+        A sentence for each setting that gave none.
+    quantity
+        The quantity whose gap decides: "strain", "displacement" or "force".
+    warnings
+        A sentence for each setting at which the wire pulled harder than it may, and what the recommended setting and
+        those of the lowest and the highest stress exceed.
+    limit_n
+        Pull [N] under which the wire has the stress that its vendor names for many cycles; None if the rig does not
+        state it.
+    largest_n
+        Largest pretension [N] at which the wire would not pull harder than that while it contracts, from the loop
+        nearest to it; 0 if none is left, None without a limit.
+    """
+
+    rows: tuple[PretensionRow, ...]
+    failures: tuple[str, ...]
+    quantity: str = "strain"
     warnings: tuple[str, ...] = ()
-    # Pull under which the wire has the stress that its vendor names for many cycles; None if the rig does not state it.
     limit_n: float | None = None
-    # Largest pretension at which the wire would not pull harder than that while it contracts, from the loop nearest to
-    # it; 0 if none is left, None without a limit.
     largest_n: float | None = None
 
     @property
@@ -103,7 +138,24 @@ class PretensionSweep:
         )
 
     def plot(self, axes: Axes | None = None, *, style: str = "screen") -> Axes:
-        """Plot the gaps against pretension, that of the sweep's quantity first; style as in ``Recording.plot``."""
+        """Plot the gaps against pretension, that of the sweep's quantity first.
+
+        Parameters
+        ----------
+        axes
+            Axes to draw on; those of a new figure by default.
+        style
+            Size and fonts of the new figure, as in ``Recording.plot``; axes that are given keep their own.
+
+        Returns
+        -------
+        The axes; ``sweep.plot().figure.savefig("gaps.pdf")`` writes their figure.
+
+        Raises
+        ------
+        CallerError
+            For an unknown style; the message suggests the nearest.
+        """
         from musclewire.figures import axes_to_draw_on
 
         with axes_to_draw_on(axes, style) as here:

@@ -428,29 +428,52 @@ class EstimateReport:
     Errors are in percent of the stroke that was measured in the model's loop (of the model's range for a model without
     a measured motion). They count the samples that the estimator says are valid, but for those at which the wire is
     colder than the model begins: no loop can be asked to go there. Those of a simulation count all samples.
+
+    Parameters
+    ----------
+    recording
+        The recording with the estimate's columns added; its metadata ``unusable_readings`` says which rows are no
+        measurements, if there are any.
+    valid_share
+        Fraction of the samples that count.
+    rms_pct
+        Root mean square error [%] of the stroke; None without a reference.
+    max_pct
+        Largest error [%] of the stroke; None without a reference.
+    wrong_pct
+        How many of the samples that count are more than 5 % of the stroke wrong [%]; None without a reference.
+    estimator
+        Name of the estimator.
+    no_reference
+        Why there is no reference to compare with, and what would give one; "" with a reference.
+    warnings
+        That rows are no measurements, that readings lie outside the model's range, and what spoils the loop, each with
+        its number.
+    not_counted
+        Why samples do not count: the fraction of all samples for each reason, the largest first.
+    error_groups
+        The samples that count by the cause of their error, with the largest error of each; none without a reference.
+    quantity
+        What was estimated: "strain", "displacement" or "force".
+    of_stroke
+        What errors are a percentage of, in words.
+    fell_back
+        Why the estimate is not by the estimator that was asked for, and what it is instead; "" if it is. The
+        recording's metadata have it, too.
     """
 
-    # The recording with the estimate's columns added; its metadata ``unusable_readings`` says which rows are no
-    # measurements, if there are any.
     recording: Recording
-    valid_share: float  # fraction of the samples that count
-    rms_pct: float | None  # root mean square error of the stroke; None without a reference
-    max_pct: float | None  # largest error of the stroke; None without a reference
-    # How many of the samples that count are more than 5 % of the stroke wrong; None without a reference.
+    valid_share: float
+    rms_pct: float | None
+    max_pct: float | None
     wrong_pct: float | None
-    estimator: str  # name of the estimator
-    no_reference: str = ""  # why there is no reference to compare with, and what would give one; "" with a reference
-    # That rows are no measurements, that readings lie outside the model's range, and what spoils the loop, each with
-    # its number.
+    estimator: str
+    no_reference: str = ""
     warnings: tuple[str, ...] = ()
-    # Why samples do not count: the fraction of all samples for each reason, the largest first.
     not_counted: Mapping[str, float] = field(default_factory=dict)
-    # The samples that count by the cause of their error, with the largest error of each; none without a reference.
     error_groups: tuple[ErrorGroup, ...] = ()
-    quantity: str = "strain"  # what was estimated: "strain", "displacement" or "force"
-    of_stroke: str = "the measured stroke"  # what errors are a percentage of, in words
-    # Why the estimate is not by the estimator that was asked for, and what it is instead; "" if it is. The recording's
-    # metadata have it, too.
+    quantity: str = "strain"
+    of_stroke: str = "the measured stroke"
     fell_back: str = ""
 
     @property
@@ -459,7 +482,26 @@ class EstimateReport:
         return self.recording.columns
 
     def plot(self, kind: str | None = None, *, style: str = "screen") -> Figure:
-        """Draw estimate, deviation and reference over time and resistance, or as another kind of ``Recording.plot``."""
+        """Draw the estimate with its standard deviation and the reference, over time and over resistance.
+
+        Parameters
+        ----------
+        kind
+            Another plot, as in ``Recording.plot``; None is this one.
+        style
+            Size and fonts of the figure, as in ``Recording.plot``.
+
+        Returns
+        -------
+        A matplotlib figure.
+
+        Raises
+        ------
+        CallerError
+            For an unknown kind or style.
+        RecordingError
+            If the recording lacks the columns for this kind.
+        """
         return self.recording.plot(kind or "estimate", style=style)
 
     @property

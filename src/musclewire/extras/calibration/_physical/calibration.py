@@ -62,19 +62,42 @@ class CalibrationInputs:
 
 @dataclass(frozen=True, eq=False)
 class Calibration:
-    """Result of a calibration: every parameter with its uncertainty, and the residuals of the observations."""
+    """Result of a calibration: every parameter with its uncertainty, and the residuals of the observations.
 
-    alloy: Alloy  # the alloy with its fitted numbers
-    wire: Wire  # the wire with its fitted numbers
-    bench: Bench  # the bench with its fitted numbers
-    estimates: tuple[ParameterEstimate, ...]  # every fitted parameter with its uncertainty
-    correlation: FloatArray  # correlation of the estimates, (n, n), in their order
-    problem: PosteriorProblem  # the least-squares problem: observations and priors
+    Parameters
+    ----------
+    alloy
+        The alloy with its fitted numbers.
+    wire
+        The wire with its fitted numbers.
+    bench
+        The bench with its fitted numbers.
+    estimates
+        Every fitted parameter with its uncertainty.
+    correlation
+        Correlation of the estimates, (n, n), in their order.
+    problem
+        The least-squares problem: observations and priors.
+    search_result
+        Result of the search.
+    excess_variance
+        Variance of the residuals over that of their stated uncertainty, 1 or more; it widens the intervals.
+    wall_s
+        Duration of the calibration [s].
+    inputs
+        Inputs of the calibration.
+    """
+
+    alloy: Alloy
+    wire: Wire
+    bench: Bench
+    estimates: tuple[ParameterEstimate, ...]
+    correlation: FloatArray
+    problem: PosteriorProblem
     search_result: SearchResult
-    # Variance of the residuals over that of their stated uncertainty, 1 or more; it widens the intervals.
     excess_variance: float
-    wall_s: float  # duration of the calibration
-    inputs: CalibrationInputs  # inputs of the calibration
+    wall_s: float
+    inputs: CalibrationInputs
 
     @property
     def values(self) -> WireValues:
