@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-__all__ = ["Answer", "musclewire"]
+__all__ = ["Answer", "CommandLine", "musclewire"]
 
 
 class Answer(NamedTuple):
@@ -31,8 +31,11 @@ class Answer(NamedTuple):
         return line
 
 
+CommandLine = Callable[..., Answer]
+
+
 @pytest.fixture
-def musclewire(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+def musclewire(capsys: pytest.CaptureFixture[str]) -> CommandLine:
     """Run the command line in this process: exit code, stdout, stderr."""
     from musclewire.app import run  # not before a test asks for it: most need no command line
 

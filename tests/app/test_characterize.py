@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.files import read_recording
@@ -19,9 +19,7 @@ from musclewire.signals import Recording
 SHORT = ("--period", "30 s", "--cycles", "1")
 
 
-def test_it_is_in_the_file_and_in_the_law_of_a_fit_and_nowhere_else(
-    musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_it_is_in_the_file_and_in_the_law_of_a_fit_and_nowhere_else(musclewire: CommandLine, tmp_path: Path) -> None:
     answers, laws = [], []
     for name, options in (("with.h5", ()), ("without.h5", ("--no-minor-loop",))):
         path = tmp_path / name
@@ -61,7 +59,7 @@ def without_instruments(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_comes(
-    without_instruments: Path, musclewire: Callable[..., Any], tmp_path: Path
+    without_instruments: Path, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     output = tmp_path / "loop.h5"
     arguments = ("characterize", without_instruments, "-o", output, "--period", f"{PERIOD_S} s", "--cycles", "1")
@@ -74,7 +72,7 @@ def test_a_perfect_run_without_an_instrument_ends_well_and_says_how_a_model_come
 
 
 def test_a_recording_that_has_the_instrument_and_shows_no_loop_still_ends_with_one(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     answer = musclewire("characterize", "simulated", "-o", tmp_path / "x.h5", "--amplitude", "0.4 V", "--period", "5 s")
     assert answer.code == 1
@@ -101,9 +99,7 @@ def rig_file(folder: Path, text: str) -> Path:
     ],
     ids=["a step of 1 s", "a thin wire"],
 )
-def test_a_step_that_is_too_long_is_named_with_what_to_use(
-    text: str, musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_step_that_is_too_long_is_named_with_what_to_use(text: str, musclewire: CommandLine, tmp_path: Path) -> None:
     answer = musclewire("characterize", rig_file(tmp_path, text), "-o", tmp_path / "loop.h5", "--cycles", "1")
     assert answer.code == 1
     (line,) = [line for line in answer.err.splitlines() if line.startswith("musclewire: the simulation")]
@@ -113,7 +109,7 @@ def test_a_step_that_is_too_long_is_named_with_what_to_use(
 
 
 def test_a_step_that_shows_is_a_warning_and_chosen_steps_resolve_a_sample_of_1_s(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     chosen = rig_file(tmp_path, 'sample_period = "1 s"\n')
     answer = musclewire("characterize", chosen, "-o", tmp_path / "chosen.h5", "--cycles", "1", "--json")
@@ -127,7 +123,7 @@ def test_a_step_that_shows_is_a_warning_and_chosen_steps_resolve_a_sample_of_1_s
 
 
 def test_friction_that_holds_the_wire_is_a_warning_on_stderr_and_in_the_document(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     path = rig_file(tmp_path, 'pretension = "0.5 N"\n[settings]\nguide_friction_n = "1 N"\n')
     first = ("--amplitude", "3.2 V", "--cycles", "1")  # no sweep before: what friction does to the first cycle
@@ -138,7 +134,7 @@ def test_friction_that_holds_the_wire_is_a_warning_on_stderr_and_in_the_document
     assert f"warning: {warning}" in answer.err
 
 
-def test_a_rig_without_a_spring_prints_no_gap_of_force(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_rig_without_a_spring_prints_no_gap_of_force(musclewire: CommandLine, tmp_path: Path) -> None:
     path = rig_file(tmp_path, '[[load]]\npart = "weight"\nforce = "1.9 N"\n')
     answer = musclewire("characterize", path, "-o", tmp_path / "loop.h5", "--cycles", "1", "--json")
     assert answer.json["force_gap_pct"] is None
@@ -149,7 +145,7 @@ def test_a_rig_without_a_spring_prints_no_gap_of_force(musclewire: Callable[...,
 
 
 def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no_loop(
-    musclewire: Callable[..., Any], tmp_path: Any
+    musclewire: CommandLine, tmp_path: Any
 ) -> None:
     rig = tmp_path / "held.toml"
     rig.write_text('[[load]]\npart = "blocked"\n', "utf-8")
@@ -167,9 +163,7 @@ def test_a_blocked_wire_is_recorded_with_a_warning_and_the_word_that_there_is_no
     assert "there is nothing to fit" in refused.err
 
 
-def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(
-    musclewire: Callable[..., Any], tmp_path: Any
-) -> None:
+def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(musclewire: CommandLine, tmp_path: Any) -> None:
     short = ("--cycles", "1", "--period", "40 s")
     finger = musclewire("characterize", "finger", "-o", tmp_path / "finger.h5", *short).out
     assert all(f"{name} gap" in finger for name in ("strain", "displacement", "force"))
@@ -178,7 +172,7 @@ def test_characterize_shows_every_gap_and_that_of_a_fingers_endpoint(
     assert "displacement gap" not in spring
 
 
-def test_a_sweep_warns_on_stderr_and_in_json(musclewire: Callable[..., Any], tmp_path: Any) -> None:
+def test_a_sweep_warns_on_stderr_and_in_json(musclewire: CommandLine, tmp_path: Any) -> None:
     rig = tmp_path / "stiff.toml"
     rig.write_text('[[load]]\npart = "spring"\nstiffness = "2000 N/m"\n', "utf-8")
     answer = musclewire(
@@ -191,9 +185,7 @@ def test_a_sweep_warns_on_stderr_and_in_json(musclewire: Callable[..., Any], tmp
     assert f"warning: {warning}" in answer.err
 
 
-def test_a_staircase_is_answered_in_the_unit_in_which_it_was_asked_for(
-    musclewire: Callable[..., Any], model: Any
-) -> None:
+def test_a_staircase_is_answered_in_the_unit_in_which_it_was_asked_for(musclewire: CommandLine, model: Any) -> None:
     def refusal(reference: str) -> str:
         return str(musclewire("control", "simulated", model, "--reference", reference).refusal)
 

@@ -7,12 +7,12 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.command_line import CommandLine
 from tests.subjects import subjects_of
 
 from musclewire.app import (
@@ -68,13 +68,13 @@ def test_help_loads_no_compiler() -> None:
 # What --version says is what is installed, and what cite says is that version.
 
 
-def test_the_first_line_is_the_version_alone(musclewire: Callable[..., Any]) -> None:
+def test_the_first_line_is_the_version_alone(musclewire: CommandLine) -> None:
     answer = musclewire("--version")
     assert (answer.code, answer.err) == (0, "")
     assert answer.out.splitlines()[0] == f"musclewire {importlib.metadata.version('musclewire')}"
 
 
-def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None:
+def test_the_document_says_what_is_there(musclewire: CommandLine) -> None:
     found = musclewire("--version", "--json").json
     assert found["packages"]["numpy"] == np.__version__
     assert found["packages"]["llvmlite"] == importlib.metadata.version("llvmlite")
@@ -82,7 +82,7 @@ def test_the_document_says_what_is_there(musclewire: Callable[..., Any]) -> None
     assert not {"test", "oracles", "dev"} & set(found["extras"])
 
 
-def test_what_to_cite_is_this_version_in_words_and_in_bibtex(musclewire: Callable[..., Any]) -> None:
+def test_what_to_cite_is_this_version_in_words_and_in_bibtex(musclewire: CommandLine) -> None:
     words, entries = musclewire("cite", "--json").json.values()
     assert importlib.metadata.version("musclewire") in entries[0]
     printed = musclewire("cite", "--bibtex").out

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.controllers import SampledReference
@@ -22,7 +22,7 @@ from musclewire.sensing import SensingModel
 
 @pytest.mark.parametrize(("text", "hold_s"), [("", 6.0), (" for 2 s", 2.0), (" for 2500 ms", 2.5)])
 def test_each_step_is_held_for_the_time_that_is_given(
-    text: str, hold_s: float, musclewire: Callable[..., Any], model: Path, tmp_path: Path
+    text: str, hold_s: float, musclewire: CommandLine, model: Path, tmp_path: Path
 ) -> None:
     steps = ("--reference", f"1.5 % to 1.8 % by 0.3 %{text}")
     run = tmp_path / "run.h5"
@@ -31,7 +31,7 @@ def test_each_step_is_held_for_the_time_that_is_given(
     assert len(read_recording(run)) == pytest.approx(3 * hold_s / 0.05, abs=1)
 
 
-def test_a_time_without_a_unit_is_refused(musclewire: Callable[..., Any], model: Path) -> None:
+def test_a_time_without_a_unit_is_refused(musclewire: CommandLine, model: Path) -> None:
     refusal = musclewire("control", "simulated", model, "--reference", "1.5 % to 1.8 % by 0.3 % for 2").refusal
     assert "'2' has no unit" in refusal
 
@@ -39,7 +39,7 @@ def test_a_time_without_a_unit_is_refused(musclewire: Callable[..., Any], model:
 # ``musclewire control --known-stiffness``: force by a model of strain.
 
 
-def test_control_turns_strain_into_force_by_a_stiffness(musclewire: Callable[..., Any], model: Path) -> None:
+def test_control_turns_strain_into_force_by_a_stiffness(musclewire: CommandLine, model: Path) -> None:
     said = musclewire(
         "control", "simulated", model, "--quantity", "force", "--known-stiffness", "588.6 N/m", "--json"
     ).json
@@ -55,7 +55,7 @@ STEPS = ("--reference", "1.5 % to 1.8 % by 0.3 %")
 
 
 @pytest.mark.slow
-def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any], model: Path) -> None:
+def test_every_loop_is_the_single_run_of_its_seed(musclewire: CommandLine, model: Path) -> None:
     many = musclewire("control", "simulated", model, *STEPS, "--runs", 3, "--seed", 4, "--json").json
     assert [run["seed"] for run in many["runs"]] == [4, 5, 6]
     alone = musclewire("control", "simulated", model, *STEPS, "--seed", 5, "--json").json
@@ -69,7 +69,7 @@ def test_every_loop_is_the_single_run_of_its_seed(musclewire: Callable[..., Any]
 
 
 @pytest.mark.slow
-def test_people_get_a_table_of_medians_and_spreads(musclewire: Callable[..., Any], model: Path) -> None:
+def test_people_get_a_table_of_medians_and_spreads(musclewire: CommandLine, model: Path) -> None:
     answer = musclewire("control", "simulated", model, *STEPS, "--runs", 2)
     assert answer.code == 0
     assert answer.out.startswith("2 of 2 loops reached their end")
@@ -84,7 +84,7 @@ def test_people_get_a_table_of_medians_and_spreads(musclewire: Callable[..., Any
 
 @pytest.mark.slow
 def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+    musclewire: CommandLine, model: Path, tmp_path: Path
 ) -> None:
     rig = tmp_path / "other.toml"
     rig.write_text("[settings]\nresistivity_factor = 1.2\n", "utf-8")
@@ -94,9 +94,7 @@ def test_a_loop_that_fails_is_named_and_the_exit_code_is_1(
 
 
 @pytest.mark.slow
-def test_loops_under_another_load_do_not_hold_and_say_why(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
-) -> None:
+def test_loops_under_another_load_do_not_hold_and_say_why(musclewire: CommandLine, model: Path, tmp_path: Path) -> None:
     rig = tmp_path / "half.toml"
     rig.write_text('pretension = "0.95 N"\n', "utf-8")
     many = musclewire("control", rig, model, *STEPS, "--runs", 2)
@@ -147,9 +145,7 @@ def test_a_run_reaches_the_amplitude_that_was_said_before(wire: Wire, frequency_
     assert run.metadata.get("speed_limits", "").startswith("the reference") is (frequency_hz > 0.1)
 
 
-def test_control_warns_before_it_heats_and_in_its_answer(
-    wire: Wire, tmp_path: Path, musclewire: Callable[..., Any]
-) -> None:
+def test_control_warns_before_it_heats_and_in_its_answer(wire: Wire, tmp_path: Path, musclewire: CommandLine) -> None:
     model_file, reference_file = tmp_path / "model.json", tmp_path / "target.csv"
     wire.model.save(model_file)
     fast = sine(1.0)
@@ -170,7 +166,7 @@ def test_control_warns_before_it_heats_and_in_its_answer(
 @pytest.mark.skipif(sys.platform != "linux", reason="priority and pinning are Linux's")
 @pytest.mark.slow
 def test_what_the_system_refuses_is_a_warning_and_the_run_goes_on(
-    musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("musclewire.rigs.take_priority", lambda: ["real-time priority is not permitted"])
     answer = musclewire(

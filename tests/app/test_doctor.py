@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
-
-Musclewire = Callable[..., Any]
+from tests.command_line import CommandLine
 
 
 @pytest.mark.parametrize("rig", ["simulated", "finger"])
-def test_a_sound_rig_passes(musclewire: Musclewire, rig: str) -> None:
+def test_a_sound_rig_passes(musclewire: CommandLine, rig: str) -> None:
     answer = musclewire("doctor", rig, "--json")
     assert answer.code == 0, answer.out
     said = answer.json

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 
 @pytest.mark.slow
-def test_whatever_is_run_estimated_or_imported_is_drawn(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
-) -> None:
+def test_whatever_is_run_estimated_or_imported_is_drawn(musclewire: CommandLine, model: Path, tmp_path: Path) -> None:
     loop = tmp_path / "loop.h5"
     figures = {name: tmp_path / f"{name}.svg" for name in ("loop", "demo", "train", "home", "import")}
     assert musclewire("characterize", "simulated", "-o", loop, "--plot", figures["loop"]).code == 0

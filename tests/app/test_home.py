@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire.sensing import load_model
 
@@ -14,7 +13,7 @@ STEPS = ("--reference", "1.5 % to 2 % by 0.5 %")
 
 
 def test_it_says_what_it_assumes_and_finds_and_writes_the_model(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+    musclewire: CommandLine, model: Path, tmp_path: Path
 ) -> None:
     new, sweep = tmp_path / "new.json", tmp_path / "sweep.h5"
     answer = musclewire("home", "simulated", model, "-o", new, "--ambient", "22 degC", "--sweep", sweep)
@@ -30,7 +29,7 @@ def test_it_says_what_it_assumes_and_finds_and_writes_the_model(
 
 
 def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
-    musclewire: Callable[..., Any], model: Path, tmp_path: Path
+    musclewire: CommandLine, model: Path, tmp_path: Path
 ) -> None:
     rig = tmp_path / "aged.toml"
     rig.write_text("[settings]\nresistivity_factor = 1.01\n", "utf-8")
@@ -50,7 +49,7 @@ def test_an_aged_wire_is_corrected_and_a_changed_load_refused(
     assert (answer.code, answer.json["corrected"]) == (0, False)
 
 
-def test_control_takes_the_users_word_on_the_load(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:
+def test_control_takes_the_users_word_on_the_load(musclewire: CommandLine, model: Path, tmp_path: Path) -> None:
     rig = tmp_path / "warmer.toml"
     rig.write_text("[settings]\ntemperature_shift_k = 13.0\n", "utf-8")
     command = ("control", rig, model, *STEPS, "--home", "start", "--json")
@@ -59,7 +58,7 @@ def test_control_takes_the_users_word_on_the_load(musclewire: Callable[..., Any]
     assert musclewire(*command, "--load", "1.9 N").json["home"]["load_n"] == pytest.approx(1.9)
 
 
-def test_control_makes_one_before_or_after_the_run(musclewire: Callable[..., Any], model: Path, tmp_path: Path) -> None:
+def test_control_makes_one_before_or_after_the_run(musclewire: CommandLine, model: Path, tmp_path: Path) -> None:
     rig = tmp_path / "aged.toml"
     rig.write_text("[settings]\nresistivity_factor = 1.01\n", "utf-8")
     plain = musclewire("control", rig, model, *STEPS, "--json")

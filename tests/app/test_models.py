@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 import typer
+from tests.command_line import CommandLine
 from tests.labs.loops import SHUNT_OHM, loop, step_with_the_current
 
 import musclewire as mw
@@ -40,7 +40,7 @@ def stepped(folder: Path) -> Path:
 
 
 def test_fit_and_estimate_of_one_file_say_the_same_error(
-    musclewire: Callable[..., Any], recording: Path, tmp_path: Path
+    musclewire: CommandLine, recording: Path, tmp_path: Path
 ) -> None:
     model = tmp_path / "model.json"
     fitted = musclewire("fit", recording, "-o", model)
@@ -55,7 +55,7 @@ def test_fit_and_estimate_of_one_file_say_the_same_error(
 
 
 def test_a_fit_that_does_not_hold_ends_with_1_and_so_does_a_loop_with_it(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     model = tmp_path / "model.json"
     fitted = musclewire("fit", stepped(tmp_path), "-o", model)
@@ -93,7 +93,7 @@ def short_loop(tmp_path: Path) -> Path:
 
 
 def test_a_part_adds_a_way_to_fit_with_options_of_its_own(
-    short_loop: Path, musclewire: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    short_loop: Path, musclewire: CommandLine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parts = (*manifests(), Manifest("own", fits={"by guess": f"{__name__}:ByGuess"}))
     monkeypatch.setattr("musclewire.manifest.manifests", lambda: parts)
@@ -104,7 +104,7 @@ def test_a_part_adds_a_way_to_fit_with_options_of_its_own(
 
 
 def test_an_option_of_a_part_that_is_not_there_is_answered_by_the_part(
-    musclewire: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    musclewire: CommandLine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     others = tuple(one for one in manifests() if one.name != "calibration")
     monkeypatch.setattr("musclewire.manifest.manifests", lambda: others)
@@ -117,7 +117,7 @@ def test_an_option_of_a_part_that_is_not_there_is_answered_by_the_part(
 
 
 def test_a_relative_model_is_fitted_estimates_another_wire_and_is_refused_by_a_rig(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     loop_file, other_file, model_file = (tmp_path / name for name in ("loop.h5", "other.h5", "model.json"))
     with mw.open_rig("simulated") as rig:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.arrays import FloatArray
@@ -36,7 +36,7 @@ OPTIONS = ("-c", "wire_voltage_v=bus_V:V", "--leg-length", "70 mm")
 
 
 def test_a_chip_at_the_end_of_its_range_is_said_by_import_and_estimate_and_not_used(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any]
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine
 ) -> None:
     true = written(tmp_path / "true.csv", loop)
     cut = {**loop, "current_mA": np.round(np.minimum(loop["current_mA"], 120.0), 1)}
@@ -53,7 +53,7 @@ def test_a_chip_at_the_end_of_its_range_is_said_by_import_and_estimate_and_not_u
 
 
 def test_overload_marks_are_left_out_counted_and_the_rest_is_fitted(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any]
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine
 ) -> None:
     ohm = 1e3 * loop["bus_V"] / loop["current_mA"]
     ohm[[100, 200, 300]] = 9.9e37
@@ -69,7 +69,7 @@ def test_overload_marks_are_left_out_counted_and_the_rest_is_fitted(
 
 
 def test_pulses_that_are_off_are_named_and_the_pulses_are_fitted(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any]
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine
 ) -> None:
     off = np.arange(3600) % 5 > 1
     columns = {
@@ -85,7 +85,7 @@ def test_pulses_that_are_off_are_named_and_the_pulses_are_fitted(
 
 @pytest.mark.parametrize(("current", "refused"), [("I_avg [mA]", True), ("I_rms [mA]", False)])
 def test_an_rms_voltage_over_a_mean_current_is_no_resistance(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any], current: str, refused: bool
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine, current: str, refused: bool
 ) -> None:
     columns = {"time [ms]": loop["millis"], "V_rms [V]": loop["bus_V"], current: loop["current_mA"]}
     file = written(tmp_path / "pulses.csv", columns)
@@ -97,7 +97,7 @@ def test_an_rms_voltage_over_a_mean_current_is_no_resistance(
 
 @pytest.mark.parametrize("turned", ["current_mA", "bus_V"])
 def test_a_voltage_or_current_that_is_negative_throughout_is_turned_and_said_to_be(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any], turned: str
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine, turned: str
 ) -> None:
     file = written(tmp_path / "leads.csv", {**loop, turned: -loop[turned]})
     said = (
@@ -112,7 +112,7 @@ def test_a_voltage_or_current_that_is_negative_throughout_is_turned_and_said_to_
 
 
 def test_a_current_of_both_signs_is_not_turned(
-    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: Callable[..., Any]
+    loop: Mapping[str, FloatArray], tmp_path: Path, musclewire: CommandLine
 ) -> None:
     sign = np.where(np.arange(3600) % 2, 1.0, -1.0)
     file = written(

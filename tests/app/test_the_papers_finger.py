@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 # The paper's worst step is 5.368 % and its mean 1.593 %; the bars are these, rounded. At the paper's own amplitude, as
 # in `reproduce`, the worst is 5.70 % and the mean 1.79 %; these are of the amplitude of `--until-level`.
@@ -13,7 +14,7 @@ WORST_PCT, MEAN_PCT = 5.4, 1.6
 
 
 @pytest.fixture
-def model(musclewire: Any, tmp_path: Path) -> Path:
+def model(musclewire: CommandLine, tmp_path: Path) -> Path:
     assert musclewire("characterize", "finger", "--until-level", "-o", tmp_path / "loop.h5").code == 0
     fitted = musclewire("fit", tmp_path / "loop.h5", "--quantity", "displacement", "-o", tmp_path / "model.json")
     assert fitted.code == 0
@@ -21,7 +22,7 @@ def model(musclewire: Any, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def answer(musclewire: Any, model: Path) -> Any:
+def answer(musclewire: CommandLine, model: Path) -> Any:
     steps = ("--reference", "2.5 mm to 6 mm by 0.5 mm")
     paper = ("--estimator", "polynomial", "--controller", "fuzzy-pid", "--approach", "12 s")  # Table 3 is of these
     return musclewire("control", "finger", model, "--quantity", "displacement", *paper, *steps, "--json")

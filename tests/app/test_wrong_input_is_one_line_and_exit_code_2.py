@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from tests.command_line import CommandLine
 
 HEADER = "time [s],V_SMA [V],I [A],displacement [mm]"
 
@@ -29,7 +28,7 @@ def write_csv(path: Path, rows: list[list[float]], header: str = HEADER) -> Path
     return path
 
 
-def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: CommandLine, tmp_path: Path) -> None:
     path = write_csv(tmp_path / "bench.csv", loop_rows())
     answer = musclewire("fit", path, "--leg-length", "70 mm", "-o", tmp_path / "m.json", "--json")
     assert answer.code == 0, answer.err
@@ -41,7 +40,7 @@ def test_a_wire_measured_with_voltage_and_current_is_fitted(musclewire: Callable
         assert answer.json[name] == estimated.json[name], "fit and estimate say the same of the same file"
 
 
-def test_a_fit_replaces_no_model_unless_it_is_told_to(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_fit_replaces_no_model_unless_it_is_told_to(musclewire: CommandLine, tmp_path: Path) -> None:
     path, model = write_csv(tmp_path / "bench.csv", loop_rows()), tmp_path / "model.json"
     again = ("fit", path, "--leg-length", "70 mm", "-o", model)
     assert musclewire(*again).code == 0
@@ -69,7 +68,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_a_recording_that_cannot_be_used(name: str, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_recording_that_cannot_be_used(name: str, musclewire: CommandLine, tmp_path: Path) -> None:
     rows, header, words = CASES[name]
     path = write_csv(tmp_path / "bench.csv", rows, header)
     line = musclewire("fit", path, "--leg-length", "70 mm", "-o", tmp_path / "model.json", "--json").refusal
@@ -79,12 +78,12 @@ def test_a_recording_that_cannot_be_used(name: str, musclewire: Callable[..., An
     assert sorted(file.name for file in tmp_path.iterdir()) == ["bench.csv"]
 
 
-def test_displacement_without_a_length_says_how_to_give_one(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_displacement_without_a_length_says_how_to_give_one(musclewire: CommandLine, tmp_path: Path) -> None:
     assert "--leg-length" in musclewire("fit", write_csv(tmp_path / "bench.csv", loop_rows())).refusal
 
 
 def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
-    musclewire: Callable[..., Any], tmp_path: Path
+    musclewire: CommandLine, tmp_path: Path
 ) -> None:
     rows = [[time, volts, amps, 123.4 - moved] for time, volts, amps, moved in loop_rows()]
     path = write_csv(tmp_path / "laser.csv", rows)
@@ -96,9 +95,7 @@ def test_a_sensor_that_reads_absolute_and_backwards_is_turned_and_zeroed(
     assert turned.json["strain_gap_pct"] == pytest.approx(plain["strain_gap_pct"], abs=1e-6)
 
 
-def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
-    musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(musclewire: CommandLine, tmp_path: Path) -> None:
     path = write_csv(tmp_path / "bench.csv", loop_rows(), "Zeitpunkt,Kanal 1,Kanal 2,Weg2")
     mapped = [
         *("-c", "time_s=Zeitpunkt:s", "-c", "wire_voltage_v=Kanal 1:V"),
@@ -129,7 +126,7 @@ def test_a_header_of_another_program_is_taken_by_an_explicit_mapping(
     ],
 )
 def test_wrong_usage_is_one_line_too(
-    arguments: str, words: str, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arguments: str, words: str, musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Of each kind of mistake one: a word, a file, a folder, a unit, a range, options that do not go together."""
     monkeypatch.chdir(tmp_path)
@@ -156,14 +153,12 @@ def test_wrong_usage_is_one_line_too(
     ],
 )
 def test_what_control_cannot_do_is_one_line_too(
-    arguments: str, words: str, musclewire: Callable[..., Any], model: Path
+    arguments: str, words: str, musclewire: CommandLine, model: Path
 ) -> None:
     assert words in musclewire("control", "simulated", model, *arguments.split()).refusal
 
 
-def test_an_existing_recording_is_not_replaced_without_overwrite(
-    musclewire: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_an_existing_recording_is_not_replaced_without_overwrite(musclewire: CommandLine, tmp_path: Path) -> None:
     path = tmp_path / "loop.h5"
     path.write_bytes(b"precious")
     command = ("characterize", "simulated", "-o", path, "--period", "30 s", "--cycles", "1", "--json")
@@ -172,7 +167,7 @@ def test_an_existing_recording_is_not_replaced_without_overwrite(
     assert musclewire(*command, "--overwrite").code == 0
 
 
-def test_a_recording_where_a_model_belongs_is_called_one(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_recording_where_a_model_belongs_is_called_one(musclewire: CommandLine, tmp_path: Path) -> None:
     recording, model = tmp_path / "loop.csv", tmp_path / "model.json"
     recording.write_text("time [s],wire_voltage_v,shunt_voltage_v\n0,1,1\n1,1,1\n", "utf-8")
     model.write_text("{}")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.errors import CallerError
@@ -28,6 +29,6 @@ def test_a_rig_with_two_wires_is_refused(ask: Callable[[], Any]) -> None:
         ask()
 
 
-def test_no_fmu_is_written_of_two_wires(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
+def test_no_fmu_is_written_of_two_wires(tmp_path: Path, musclewire: CommandLine) -> None:
     assert "gripper has two wires" in musclewire("export", "fmu", TWO, "-o", tmp_path / "out").refusal
     assert not (tmp_path / "out").exists()

@@ -5,14 +5,13 @@ from __future__ import annotations
 import signal
 import socket
 import stat
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import httpx
 import pytest
 from benchmarks import live_stop, malformed_messages
 from benchmarks.live_server import running_server
+from tests.command_line import CommandLine
 
 from musclewire.errors import CallerError
 from musclewire.extras.live import LiveClient
@@ -43,7 +42,7 @@ def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
     ],
 )
 def test_what_cannot_be_served_is_one_line(
-    options: list[str], said: str, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    options: list[str], said: str, musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     answer = musclewire("serve", *options)

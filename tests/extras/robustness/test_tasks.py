@@ -8,6 +8,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from tests.command_line import CommandLine
 from tests.tools import require_package
 
 import musclewire as mw
@@ -105,7 +106,7 @@ def test_plants_of_examples_are_refused_outside_a_checkout_before_any_run(
 
 
 def test_a_row_has_three_controllers_and_names_what_a_user_without_a_sensor_can_see(
-    tmp_path: Any, musclewire: Any
+    tmp_path: Any, musclewire: CommandLine
 ) -> None:
     only = ("--only", "simulated/sine 3")
     answer = musclewire("robustness", "--tasks", *only, "-o", tmp_path / "out", "--workers", "1", "--json")
@@ -133,7 +134,9 @@ def test_a_wire_that_goes_against_its_power_is_one_of_another_heat_loss(model: m
     assert scores["default"].mean_pct < min(20.0, scores["fuzzy-pid"].mean_pct)
 
 
-def test_a_wire_whose_resistance_is_a_hundredth_low_is_not_taken_for_cold(tmp_path: Any, musclewire: Any) -> None:
+def test_a_wire_whose_resistance_is_a_hundredth_low_is_not_taken_for_cold(
+    tmp_path: Any, musclewire: CommandLine
+) -> None:
     """Its reading falls before B, though the power rises; that was another heat loss, and the wire cold to the end."""
     only = ("--condition", "R -1 %, zeroed again", "--track", "random steps", "--estimators", "filter")
     answer = musclewire("robustness", "--wires", "105", *only, "-o", tmp_path / "out", "--workers", "1", "--json")

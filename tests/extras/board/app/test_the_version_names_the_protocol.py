@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from tests.command_line import CommandLine
 
 from musclewire.extras.board._serial.message_types import PROTOCOL_VERSION
 
 
-def test_the_document_says_which_protocol_the_host_speaks(musclewire: Callable[..., Any]) -> None:
+def test_the_document_says_which_protocol_the_host_speaks(musclewire: CommandLine) -> None:
     assert musclewire("--version", "--json").json["firmware_protocol"] == PROTOCOL_VERSION

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import FILTER_DIFFERENCE, HostLibrary, built, largest_differences
+from tests.command_line import CommandLine
 from tests.extras.board.export.export_parts import SHUNT_OHM, drive_limits, limits_for
 from tests.tools import require_tool
 
@@ -145,7 +144,7 @@ def test_the_filter_is_part_of_the_checksum_and_the_shunt_is_not(model: SensingM
 
 
 def test_the_command_writes_it_and_says_that_an_uno_has_no_room(
-    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+    model: SensingModel, tmp_path: Path, musclewire: CommandLine
 ) -> None:
     save_model(model, tmp_path / "model.json")
     said = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").out

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from emulation.exported_library.on_this_machine import HostLibrary, built, largest_differences
+from tests.command_line import CommandLine
 from tests.extras.board.export.export_parts import SHUNT_OHM, drive_limits, export, limits_for
 from tests.tools import require_tool
 
@@ -214,7 +212,7 @@ def test_gains_of_another_quantity_are_refused(model: SensingModel, gains: Feedf
 
 
 def test_the_command_writes_it_by_the_model_s_gains(
-    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+    model: SensingModel, tmp_path: Path, musclewire: CommandLine
 ) -> None:
     file, folder = tmp_path / "model.json", tmp_path / "library"
     save_model(model, file)
@@ -229,32 +227,8 @@ def test_the_command_writes_it_by_the_model_s_gains(
     assert "--estimator filter knows it" in musclewire(*asked, "--estimator", "polynomial", "--overwrite").out
 
 
-@pytest.mark.parametrize(
-    ("gains", "arguments", "complaint"),
-    [
-        (True, ("--controller", "feedforward"), "controller 'feedforward' has no form in C"),
-        (True, ("--rules", "fixed"), "leave out settings and rules of the fuzzy PID, or name it by --controller"),
-        (False, (), "has none (two arrays): find them in the wire's slow loop by"),
-    ],
-)
-def test_what_it_cannot_write_is_refused_in_one_line(
-    model: SensingModel,
-    tmp_path: Path,
-    musclewire: Callable[..., Any],
-    gains: bool,
-    arguments: tuple[str, ...],
-    complaint: str,
-) -> None:
-    file = tmp_path / "model.json"
-    save_model(model if gains else replace(model, gains={}, no_gains="two arrays"), file)
-    refused = musclewire("export", "c", file, "-o", tmp_path / "library", *arguments).refusal
-    assert complaint in refused
-    assert gains or f"'musclewire tune {file} LOOP -o {file}', or take the paper's --estimator polynomial" in refused
-    assert not (tmp_path / "library").exists()
-
-
 def test_the_paper_s_loop_is_written_by_name_and_says_that_it_is_slow_from_cold(
-    model: SensingModel, tmp_path: Path, musclewire: Callable[..., Any]
+    model: SensingModel, tmp_path: Path, musclewire: CommandLine
 ) -> None:
     save_model(model, tmp_path / "model.json")
     asked = ("--estimator", "polynomial", "--controller", "fuzzy-pid")

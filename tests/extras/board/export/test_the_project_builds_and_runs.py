@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +13,11 @@ import pytest
 from emulation.exported_library.cost import emulated, linked, target_figures
 from emulation.exported_library.on_this_machine import host_hash
 from emulation.exported_library.targets import TARGETS
+from tests.command_line import CommandLine
 from tests.extras.board.export.export_parts import RULE_BASES, Exported, usual_model, whole_model
 from tests.tools import require_tool
 
-from musclewire.sensing import save_model
+from musclewire.sensing import SensingModel, save_model
 
 Libraries = Callable[[str], Exported]
 CORTEX_M = [target for target in TARGETS if target.emulator != "simavr"]
@@ -222,7 +225,7 @@ def test_the_arduino_sketch_builds_for_an_uno_with_the_arduino_core(exported: Li
 
 @pytest.mark.slow
 def test_the_command_writes_the_library_without_any_compiler(
-    tmp_path: Path, musclewire: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, musclewire: CommandLine, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     model = whole_model()
     save_model(model, tmp_path / "model.json")
@@ -235,26 +238,41 @@ def test_the_command_writes_the_library_without_any_compiler(
     assert answer["single_error_share"] < 1e-4
 
 
+WITHOUT_GAINS = replace(usual_model(), no_gains="two arrays")
+ANOTHER_WIRE = usual_model(wire={"wire": "flexinol-0.20-lt"})
+# Whoever edited the gains has to hear of it, also where the fuzzy PID takes none.
+EDITED = replace(usual_model(), gains={"controller": "feedforward", "settings": {"closed_loop_time_s": -1.0}})
+
+
 @pytest.mark.parametrize(
-    ("arguments", "complaint"),
+    ("model", "arguments", "complaints"),
     [
-        (("--name", "my wire"), "C identifier"),
-        (("--rig", "ni-pci-6229"), "is no board"),
-        (("--rules", "zhao", "--controller", "fuzzy-pid"), "zhao-1993"),
-        (("--settings", "SETTINGS"), "did you mean 'kp_range'"),
+        (whole_model(), "--name 'my wire'", ["C identifier"]),
+        (whole_model(), "--rig ni-pci-6229", ["is no board"]),
+        (whole_model(), "--rules zhao --controller fuzzy-pid", ["zhao-1993"]),
+        (whole_model(), "--settings gains.toml", ["did you mean 'kp_range'"]),
+        (whole_model(), "--arduino-zip a.tar", [".zip"]),
+        (whole_model(), "--controller feedforward", ["controller 'feedforward' has no form in C"]),
+        (whole_model(), "--rules fixed", ["leave out settings and rules of the fuzzy PID, or name it by --controller"]),
+        (ANOTHER_WIRE, "", ["fit one for this wire"]),
+        (EDITED, "", ["gains", "closed_loop_time_s"]),
+        (
+            WITHOUT_GAINS,
+            "",
+            [
+                "has none (two arrays): find them in the wire's slow loop by",
+                "'musclewire tune model.json LOOP -o model.json', or take the paper's --estimator polynomial",
+            ],
+        ),
     ],
 )
-def test_wrong_use_is_one_line_and_nothing_is_written(
-    tmp_path: Path, musclewire: Callable[..., Any], arguments: tuple[str, ...], complaint: str
-) -> None:
-    save_model(whole_model(), tmp_path / "model.json")
-    (tmp_path / "gains.toml").write_text("kp_rang = [0.0, 0.1]\n")
-    given = [str(tmp_path / "gains.toml") if text == "SETTINGS" else text for text in arguments]
-    assert complaint in musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library", *given).refusal
-    assert not (tmp_path / "library").exists()
-
-
-def test_a_model_of_another_wire_is_refused(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
-    save_model(usual_model(wire={"wire": "flexinol-0.20-lt"}), tmp_path / "model.json")
-    refused = musclewire("export", "c", tmp_path / "model.json", "-o", tmp_path / "library").refusal
-    assert "fit one for this wire" in refused
+def test_what_the_command_cannot_write_is_one_line_and_nothing_is_written(
+    tmp_path: Path, musclewire: CommandLine, monkeypatch: pytest.MonkeyPatch,
+    model: SensingModel, arguments: str, complaints: list[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    save_model(model, "model.json")
+    Path("gains.toml").write_text("kp_rang = [0.0, 0.1]\n")
+    refused = musclewire("export", "c", "model.json", "-o", "library", *shlex.split(arguments)).refusal
+    assert [text for text in complaints if text not in refused] == []
+    assert not Path("library").exists()

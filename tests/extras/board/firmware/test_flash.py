@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire.errors import CallerError, RigError
 from musclewire.extras.board import FOLDER
@@ -74,7 +74,7 @@ def test_the_one_port_that_looks_like_the_board_is_taken(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize(("old", "baud"), [((), "115200"), (("--old-bootloader",), "57600")])
-def test_a_dry_run_shows_the_command(old: tuple[str, ...], baud: str, musclewire: Callable[..., Any]) -> None:
+def test_a_dry_run_shows_the_command(old: tuple[str, ...], baud: str, musclewire: CommandLine) -> None:
     given = ["flash", "nano", "--wire", "paper-100um", "--serial-port", "/dev/ttyACM0", *old, "--dry-run", "--json"]
     command = musclewire(*given).json["command"]
     assert command[:9] == ["avrdude", "-p", "m328p", "-c", "arduino", "-P", "/dev/ttyACM0", "-b", baud]

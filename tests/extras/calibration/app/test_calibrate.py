@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import signal
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from tests.app.interrupting import PATIENCE_S, start
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.app import ReadingOptions
@@ -50,7 +49,7 @@ BY_NUMBER = ("-c", "wire_temperature_k=#1:degC", "-c", "reference_strain=#2:%", 
 
 @pytest.mark.slow
 def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
-    loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    loop: Path, musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     figure = ("--plot", tmp_path / "mine.svg", "--plot-style", "nature")
     answer = musclewire("calibrate", loop, "-o", tmp_path / "mine.toml", "--effort", "quick", "--json", *figure)
@@ -79,7 +78,7 @@ def test_from_a_loop_to_a_wire_file_that_does_the_same_loop(
     assert np.sqrt(np.mean((strain[0] - strain[1]) ** 2)) < 5e-4
 
 
-def test_what_exists_is_not_replaced(loop: Path, musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_what_exists_is_not_replaced(loop: Path, musclewire: CommandLine, tmp_path: Path) -> None:
     (tmp_path / "mine.html").write_text("mine")
     assert "mine.html exists" in musclewire("calibrate", loop, "-o", tmp_path / "mine.toml").refusal
     assert [item.name for item in tmp_path.iterdir()] == ["mine.html"]
@@ -94,7 +93,7 @@ CASES = {
 
 @pytest.mark.parametrize("name", CASES)
 def test_wrong_input_is_one_line_and_exit_code_2_and_nothing_is_written(
-    name: str, loop: Path, musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, loop: Path, musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     change, options, words = CASES[name]
     measured = mw.read_recording(loop)
@@ -115,7 +114,7 @@ def test_zero_and_invert_make_a_wrong_way_round_sensor_right(loop: Path, tmp_pat
 
 @pytest.mark.slow
 def test_a_strain_that_no_wire_does_ends_with_exit_code_1_and_files(
-    isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
+    isobars: Path, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     """Isobars shifted by 200 K belong to no NiTi wire that the priors know."""
     rows = np.loadtxt(isobars)
@@ -132,7 +131,7 @@ def test_a_strain_that_no_wire_does_ends_with_exit_code_1_and_files(
 
 @pytest.mark.slow
 def test_a_mapping_by_number_is_for_the_files_without_headers(
-    isobars: Path, musclewire: Callable[..., Any], tmp_path: Path
+    isobars: Path, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     rows = np.loadtxt(isobars)
     with_headers = tmp_path / "named.csv"

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
+from tests.command_line import CommandLine
 
 
 @pytest.mark.parametrize(
@@ -17,7 +15,7 @@ import pytest
     ],
 )
 def test_options_that_do_not_go_together_are_refused(
-    options: tuple[str, ...], named: str, musclewire: Callable[..., Any]
+    options: tuple[str, ...], named: str, musclewire: CommandLine
 ) -> None:
     answer = musclewire("fit", "no-such-file.h5", *options)
     assert answer.code == 2

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.errors import RecordingError
@@ -116,7 +116,7 @@ def test_a_current_that_is_not_known_is_no_simulation(model: SensingModel, wire_
 
 
 def test_the_command_writes_it_says_so_and_ends_with_1(
-    model: SensingModel, wire_file: Path, musclewire: Callable[..., Any], tmp_path: Path
+    model: SensingModel, wire_file: Path, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     model_path, recorded, out = tmp_path / "model.json", tmp_path / "contact.h5", tmp_path / "out.h5"
     model.save(model_path)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.errors import CallerError
@@ -23,7 +22,7 @@ def model_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 def test_control_takes_the_particle_filter_and_records_what_it_finds(
-    wire_file: Path, model_file: Path, musclewire: Callable[..., Any], tmp_path: Path
+    wire_file: Path, model_file: Path, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     run_file = tmp_path / "run.h5"
     steps = ("--reference", "1.5 % to 2.1 % by 0.3 %")
@@ -44,7 +43,7 @@ def test_control_takes_the_particle_filter_and_records_what_it_finds(
 
 @pytest.mark.parametrize("estimator", ["polynomial", "filter", None])
 def test_a_wire_file_that_the_estimator_does_not_read_is_refused_with_the_one_that_does(
-    wire_file: Path, model_file: Path, musclewire: Callable[..., Any], estimator: str | None
+    wire_file: Path, model_file: Path, musclewire: CommandLine, estimator: str | None
 ) -> None:
     named = () if estimator is None else ("--estimator", estimator)
     for command in (("control", "simulated", model_file), ("estimate", model_file, model_file.with_name("loop.h5"))):

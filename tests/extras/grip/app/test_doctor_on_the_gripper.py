@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from tests.command_line import CommandLine
 
 
-def test_a_sound_gripper_passes(musclewire: Callable[..., Any]) -> None:
+def test_a_sound_gripper_passes(musclewire: CommandLine) -> None:
     answer = musclewire("doctor", "gripper", "--json")
     assert answer.code == 0, answer.out
     assert answer.json["highest_drive_voltage_v"] <= 0.3

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire.extras.grip import GripperKnowledge
 from musclewire.files import read_recording
 
 
 @pytest.mark.slow
-def test_a_grip_is_found_printed_recorded_and_drawn(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_a_grip_is_found_printed_recorded_and_drawn(musclewire: CommandLine, tmp_path: Path) -> None:
     learned = tmp_path / "learned.json"  # not there yet: the command trains the gripper
     answer = musclewire(
         "grip", "--known-stiffness", "200 N/m", "--learned", learned, "--plot", tmp_path / "grip.png",
@@ -33,7 +32,7 @@ def test_a_grip_is_found_printed_recorded_and_drawn(musclewire: Callable[..., An
 
 
 def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
-    musclewire: Callable[..., Any], learned: Path
+    musclewire: CommandLine, learned: Path
 ) -> None:
     answer = musclewire("grip", "--no-object", "--learned", learned)
     assert answer.code == 1
@@ -61,7 +60,7 @@ def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name(knowle
     assert not by_time.texts
 
 
-def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: Path) -> None:
+def test_another_object_may_be_put_in(musclewire: CommandLine, learned: Path) -> None:
     said = musclewire(
         "grip", "--object-stiffness", "1 N/mm", "--clearance", "7 mm", "--learned", learned, "--seed", "4", "--json"
     ).json
@@ -69,7 +68,7 @@ def test_another_object_may_be_put_in(musclewire: Callable[..., Any], learned: P
     assert said["opening_m"] == pytest.approx(7e-3, abs=0.5e-3)
 
 
-def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[..., Any], learned: Path) -> None:
+def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: CommandLine, learned: Path) -> None:
     known = ("grip", "--known-stiffness", "200 N/m", "--learned", learned)
     held = musclewire(*known, "--tolerance", "0.2 N")
     assert (held.code, "target 0.3 N" in held.out) == (0, True)
@@ -88,5 +87,5 @@ def test_a_held_force_beyond_its_tolerance_ends_with_1(musclewire: Callable[...,
         ("--learned learned.txt", ".json"),
     ],
 )
-def test_what_cannot_be_gripped_is_refused_in_one_line(musclewire: Callable[..., Any], typed: str, said: str) -> None:
+def test_what_cannot_be_gripped_is_refused_in_one_line(musclewire: CommandLine, typed: str, said: str) -> None:
     assert said in musclewire("grip", *typed.split()).refusal

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 import musclewire as mw
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment import examine
-
-Musclewire = Callable[..., Any]
 
 
 def rig_with(tmp_path: Path, fault: str) -> Path:
@@ -44,7 +41,7 @@ COLD = {"channels_in_place", "sense_current_a", "output_at_zero_v", "output_gain
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_fault_of_a_rig_file_has_a_name_and_an_exit_code(
-    musclewire: Musclewire, tmp_path: Path, fault: str
+    musclewire: CommandLine, tmp_path: Path, fault: str
 ) -> None:
     name, code, word = FAULTS[fault]
     answer = musclewire("doctor", rig_with(tmp_path, fault), "--json")
@@ -55,7 +52,7 @@ def test_each_fault_of_a_rig_file_has_a_name_and_an_exit_code(
     assert len(answer.err.strip().splitlines()) == (1 if code == 3 else 0)
 
 
-def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclewire, tmp_path: Path) -> None:
+def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: CommandLine, tmp_path: Path) -> None:
     answer = musclewire("doctor", rig_with(tmp_path, 'kind = "wire_open"'))
     assert answer.code == 1
     line = next(line for line in answer.out.splitlines() if "sense_current_a" in line)
@@ -64,7 +61,7 @@ def test_the_text_names_what_failed_and_how_much_was_put_out(musclewire: Musclew
     assert "the drive was at most 0.135 V" in answer.out
 
 
-def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: Musclewire, tmp_path: Path) -> None:
+def test_a_simulated_rig_has_no_place_for_a_calibration(musclewire: CommandLine, tmp_path: Path) -> None:
     answer = musclewire("doctor", rig_with(tmp_path, 'kind = "supply_missing"'), "--write")
     assert answer.code == 2
     assert "holds no calibration" in answer.err

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 
-def test_it_prints_points_poles_and_margins(musclewire: Callable[..., Any]) -> None:
+def test_it_prints_points_poles_and_margins(musclewire: CommandLine) -> None:
     said = musclewire("linearise", "simulated", "--displacement", "2 mm").out
     for words in ("heating    |", "cooling    |", "heating, branch", "cooling, minor loop", "gain margin", "drifts"):
         assert words in said
 
 
-def test_the_json_has_two_points_and_four_linear_wires(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_json_has_two_points_and_four_linear_wires(musclewire: CommandLine, tmp_path: Path) -> None:
     picture = tmp_path / "bode.svg"
     found = musclewire("linearise", "simulated", "--displacement", "2 mm", "--json", "--plot", picture).json
     assert [one["branch"] for one in found["operating_points"]] == ["heating", "cooling"]
@@ -25,5 +24,5 @@ def test_the_json_has_two_points_and_four_linear_wires(musclewire: Callable[...,
 
 
 @pytest.mark.parametrize("given", ["20 mm", "2 V", "-1 mm"])
-def test_an_impossible_displacement_is_one_line_and_exit_code_2(given: str, musclewire: Callable[..., Any]) -> None:
+def test_an_impossible_displacement_is_one_line_and_exit_code_2(given: str, musclewire: CommandLine) -> None:
     assert musclewire("linearise", "simulated", "--displacement", given).refusal

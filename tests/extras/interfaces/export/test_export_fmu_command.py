@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 from tests.extras.board.export.export_parts import usual_model, whole_model
 
 from musclewire.sensing import save_model
 
 
-def test_a_rig_gives_a_wire(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
+def test_a_rig_gives_a_wire(tmp_path: Path, musclewire: CommandLine) -> None:
     answer = musclewire("export", "fmu", "finger", "-o", tmp_path / "new" / "folder", "--sources-only", "--json").json
     assert (answer["kind"], answer["fmi_version"], answer["platform"], answer["step_s"]) == ("wire", "2.0", None, 0.05)
     assert answer["inputs"] == ["drive_voltage_v", "ambient_temperature_k", "convection_ratio", "external_force_n"]
@@ -21,7 +20,7 @@ def test_a_rig_gives_a_wire(tmp_path: Path, musclewire: Callable[..., Any]) -> N
 
 
 def test_a_model_gives_a_controller_with_the_settings_and_rules_asked_for(
-    tmp_path: Path, musclewire: Callable[..., Any]
+    tmp_path: Path, musclewire: CommandLine
 ) -> None:
     save_model(usual_model(), tmp_path / "model.json")
     (tmp_path / "gains.toml").write_text("kp_range = [0.0, 0.05]\n")
@@ -34,9 +33,7 @@ def test_a_model_gives_a_controller_with_the_settings_and_rules_asked_for(
     assert (tmp_path / "elbow.fmu").exists()
 
 
-def test_by_default_it_is_the_filter_with_the_inverse_of_the_model(
-    tmp_path: Path, musclewire: Callable[..., Any]
-) -> None:
+def test_by_default_it_is_the_filter_with_the_inverse_of_the_model(tmp_path: Path, musclewire: CommandLine) -> None:
     save_model(whole_model(), tmp_path / "model.json")
     answer = musclewire("export", "fmu", tmp_path / "model.json", "-o", tmp_path, "--sources-only", "--json").json
     assert {"steady_power_w", "pending_heat_j", "power_limited"} <= set(answer["outputs"])
@@ -61,7 +58,7 @@ def test_by_default_it_is_the_filter_with_the_inverse_of_the_model(
 )
 def test_wrong_use_is_one_line_and_nothing_is_written(
     tmp_path: Path,
-    musclewire: Callable[..., Any],
+    musclewire: CommandLine,
     monkeypatch: pytest.MonkeyPatch,
     arguments: tuple[str, ...],
     complaint: str,

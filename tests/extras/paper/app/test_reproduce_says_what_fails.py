@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire.errors import RecordingError
 from musclewire.extras.paper import PaperCheck
@@ -47,7 +48,7 @@ def checks(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 
 def test_rows_that_hold_end_with_zero_and_one_that_is_reported_counts_neither_way(
-    checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
+    checks: Callable[..., None], musclewire: CommandLine, tmp_path: Path
 ) -> None:
     checks(GOOD, REPORTED)
     folder = tmp_path / "new" / "folder"
@@ -61,7 +62,7 @@ def test_rows_that_hold_end_with_zero_and_one_that_is_reported_counts_neither_wa
 
 
 def test_the_json_is_one_document_beside_a_page_that_shows_every_verdict(
-    checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
+    checks: Callable[..., None], musclewire: CommandLine, tmp_path: Path
 ) -> None:
     checks(GOOD, REPAIRED, KNOWN, NEW)
     code, out, err = musclewire("reproduce", "--json", "--output", str(tmp_path))
@@ -82,7 +83,7 @@ def test_the_json_is_one_document_beside_a_page_that_shows_every_verdict(
 
 
 def test_a_single_seed_is_named_in_json_and_on_the_page_and_only_keeps_what_begins_so(
-    checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
+    checks: Callable[..., None], musclewire: CommandLine, tmp_path: Path
 ) -> None:
     checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed), KNOWN)
     options = ("--output", str(tmp_path), "--only", "eq1", "--seed", "7", "--json")
@@ -94,7 +95,7 @@ def test_a_single_seed_is_named_in_json_and_on_the_page_and_only_keeps_what_begi
 
 
 def test_many_seeds_give_the_median_with_its_spread_and_the_page_says_which(
-    checks: Callable[..., None], musclewire: Callable[..., Any], tmp_path: Path
+    checks: Callable[..., None], musclewire: CommandLine, tmp_path: Path
 ) -> None:
     checks(check("eq1.seed", lambda runs: 2.0 + 0.01 * runs.seed))
     options = ("--output", str(tmp_path), "--seeds", "21", "--first-seed", "10", "--workers", "1", "--json")
@@ -117,7 +118,7 @@ def test_many_seeds_give_the_median_with_its_spread_and_the_page_says_which(
     ],
 )
 def test_wrong_usage_is_one_line_exit_code_two_and_nothing_written(
-    arguments: tuple[str, ...], says: str, musclewire: Callable[..., Any], tmp_path: Path
+    arguments: tuple[str, ...], says: str, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     (tmp_path / "file").write_text("x")
     places = {"OUT": str(tmp_path / "out"), "FILE/under": str(tmp_path / "file" / "under")}

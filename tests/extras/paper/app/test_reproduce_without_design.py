@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire import manifest
 from musclewire.errors import CallerError
@@ -29,7 +29,7 @@ def _without_design(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("only", ["fig13a", "fig13b.inward_gain_deg", "fig14", "fig14.envelope_mm[along]"])
 def test_a_row_that_is_asked_for_and_cannot_be_measured_is_refused_in_one_line(
-    only: str, musclewire: Callable[..., Any], tmp_path: Path
+    only: str, musclewire: CommandLine, tmp_path: Path
 ) -> None:
     said = musclewire("reproduce", "--only", only, "--output", tmp_path / "out").refusal
     assert said.startswith(f"musclewire: {only}")
@@ -38,7 +38,7 @@ def test_a_row_that_is_asked_for_and_cannot_be_measured_is_refused_in_one_line(
 
 
 def test_rows_that_cannot_be_measured_are_left_out_and_named(
-    musclewire: Callable[..., Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for room in (reproduce_room, reproduction):
         monkeypatch.setattr(room, "all_checks", lambda: [GOOD, SIZED])

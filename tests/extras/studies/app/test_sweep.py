@@ -8,12 +8,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 from tests.app.interrupting import ONE_IN_CI, PATIENCE_S, start
+from tests.command_line import CommandLine
 
 STUDY = """
 format = "musclewire-study"
@@ -40,9 +39,7 @@ def study(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
-    study: Path, musclewire: Callable[..., Any]
-) -> None:
+def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(study: Path, musclewire: CommandLine) -> None:
     folder = study.parent / "out"
     answer = musclewire("sweep", study, "-o", folder, "--workers", 1, "--json")
     assert answer.code == 0, answer.err
@@ -65,14 +62,14 @@ def test_it_writes_a_data_set_a_table_and_a_page_that_needs_no_other_file(
     assert again.json["quantities"] == answer.json["quantities"]
 
 
-def test_a_plan_runs_nothing(study: Path, musclewire: Callable[..., Any]) -> None:
+def test_a_plan_runs_nothing(study: Path, musclewire: CommandLine) -> None:
     answer = musclewire("sweep", study, "--plan", "--json")
     assert answer.json["runs"] == 128
     assert answer.json["parameters"]["pretension"] == {"unit": "N", "from": 1.5, "to": 1.9}
     assert [path.name for path in study.parent.iterdir()] == ["study.toml"]
 
 
-def test_the_list_has_every_kind_and_what_may_vary(musclewire: Callable[..., Any]) -> None:
+def test_the_list_has_every_kind_and_what_may_vary(musclewire: CommandLine) -> None:
     answer = musclewire("sweep", "--list", "--json")
     assert {"characterize", "simulate", "control"} <= set(answer.json["kinds"])
     assert answer.json["parameters"]["pretension_n"] == "N"
@@ -85,11 +82,11 @@ def test_the_list_has_every_kind_and_what_may_vary(musclewire: Callable[..., Any
         (["sweep", "STUDY", "--scheduler", "tcp://x:1", "--workers", "2"], "leave one out"),
     ],
 )
-def test_wrong_usage_is_one_line(arguments: list[str], words: str, study: Path, musclewire: Callable[..., Any]) -> None:
+def test_wrong_usage_is_one_line(arguments: list[str], words: str, study: Path, musclewire: CommandLine) -> None:
     assert words in musclewire(*[str(study) if item == "STUDY" else item for item in arguments]).refusal
 
 
-def test_a_study_in_which_every_run_fails_ends_with_1(study: Path, musclewire: Callable[..., Any]) -> None:
+def test_a_study_in_which_every_run_fails_ends_with_1(study: Path, musclewire: CommandLine) -> None:
     study.write_text(STUDY.replace("3.2 V", "9 V"), "utf-8")
     answer = musclewire("sweep", study, "-o", study.parent / "out", "--workers", 1)
     assert answer.code == 1

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 from tests.extras.studies.unit.study_parts import study_of
 
 import musclewire as mw
@@ -48,7 +48,7 @@ def test_on_a_rig_the_protections_own_estimate_tells() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_ends_with_1_and_the_folder_keeps_it(tmp_path: Path, musclewire: Callable[..., Any]) -> None:
+def test_the_command_ends_with_1_and_the_folder_keeps_it(tmp_path: Path, musclewire: CommandLine) -> None:
     file = tmp_path / "lengths.toml"
     file.write_text(toml_text({**study(amplitude="3.2 V"), "rig": {"maximum_voltage": "3.6 V"}}), "utf-8")
     folder = tmp_path / "out"

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from tests.command_line import CommandLine
 
 from musclewire.files import read_recording
 from musclewire.parameters import names
 
 
-def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., Any]) -> None:
+def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: CommandLine) -> None:
     answer = musclewire("simulate", "--wire", "flexinol-0.20-lt", "--json")
     assert answer.code == 0
     said = answer.json
@@ -24,7 +23,7 @@ def test_a_wire_of_the_catalogue_needs_nothing_else(musclewire: Callable[..., An
     assert said["suggested"]["shunt_rating_w"] > 3 * said["suggested"]["shunt_power_w"]
 
 
-def test_quantities_may_be_written_as_people_write_them(musclewire: Callable[..., Any]) -> None:
+def test_quantities_may_be_written_as_people_write_them(musclewire: CommandLine) -> None:
     said = musclewire(
         "simulate", "--wire", "flexinol-0.15-ht", "--supply", "3300 mV", "--wire-length", "12 cm", "--load", "100 gf",
         "--spring", "0.2 N/mm", "--ambient", "300 K", "--shunt", "220 mohm", "--off-after", "0.5 s", "--json",
@@ -38,7 +37,7 @@ def test_quantities_may_be_written_as_people_write_them(musclewire: Callable[...
     assert said["drive_voltage_peak_v"] == pytest.approx(3.3, abs=1e-3)
 
 
-def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any], tmp_path: Path) -> None:
+def test_the_recording_and_the_figure_are_written(musclewire: CommandLine, tmp_path: Path) -> None:
     answer = musclewire("simulate", "-o", tmp_path / "drive.h5", "--plot", tmp_path / "drive.png")
     assert answer.code == 0, answer.err
     run = read_recording(tmp_path / "drive.h5")
@@ -50,7 +49,7 @@ def test_the_recording_and_the_figure_are_written(musclewire: Callable[..., Any]
     assert (again.code, "--overwrite" in again.err) == (2, True)
 
 
-def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]) -> None:
+def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: CommandLine) -> None:
     answer = musclewire("simulate", "--wire", "flexinol-0.10-lt", "--current", "450 mA", "--off-after", "3 s")
     assert answer.code == 0
     assert "warning: overheated" in answer.err
@@ -59,11 +58,11 @@ def test_a_wire_that_gets_too_hot_is_warned_about(musclewire: Callable[..., Any]
     assert any("does not reach" in warning for warning in small.json["warnings"])
 
 
-def test_a_duty_without_its_unit_is_asked_about(musclewire: Callable[..., Any]) -> None:
+def test_a_duty_without_its_unit_is_asked_about(musclewire: CommandLine) -> None:
     assert musclewire("simulate", "--duty", "33").refusal.endswith("33 is outside 0 to 1: for 33 % write '33 %'")
 
 
-def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
+def test_a_molten_wire_is_no_result(musclewire: CommandLine) -> None:
     assert musclewire("simulate", "--supply", "100 V").code == 2
     answer = musclewire("simulate", "--supply", "100 V", "--json", "--beyond-catalogue")
     assert answer.code == 1
@@ -75,7 +74,7 @@ def test_a_molten_wire_is_no_result(musclewire: Callable[..., Any]) -> None:
     assert "contraction" not in shown
 
 
-def test_the_list_has_every_wire(musclewire: Callable[..., Any]) -> None:
+def test_the_list_has_every_wire(musclewire: CommandLine) -> None:
     text = musclewire("simulate", "--list").out
     wires, alloys = text.strip().split("\n\n")
     assert [line.split()[0] for line in wires.splitlines()] == names("wire")
@@ -83,7 +82,7 @@ def test_the_list_has_every_wire(musclewire: Callable[..., Any]) -> None:
     assert [row["name"] for row in musclewire("simulate", "--list", "--json").json["wires"]] == names("wire")
 
 
-def test_the_catalogue_fails_where_a_judged_cell_fails(musclewire: Callable[..., Any]) -> None:
+def test_the_catalogue_fails_where_a_judged_cell_fails(musclewire: CommandLine) -> None:
     answer = musclewire("catalogue", "--json")
     said = answer.json
     failing = [row for row in said["rows"] if False in (row["contraction_ok"], row["cooling_ok"])]
@@ -93,7 +92,7 @@ def test_the_catalogue_fails_where_a_judged_cell_fails(musclewire: Callable[...,
     assert all(row["contraction_ok"] is None and row["cooling_ok"] is None for row in said["rows"][1::2])
 
 
-def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., Any]) -> None:
+def test_the_table_answers_for_every_wire_at_a_length(musclewire: CommandLine) -> None:
     said = musclewire("simulate", "--table", "--wire-length", "200 mm", "--json").json
     assert [row["wire"] for row in said["rows"]] == [name for name in names("wire") if name.startswith("flexinol-")]
     for row in said["rows"]:
@@ -104,7 +103,7 @@ def test_the_table_answers_for_every_wire_at_a_length(musclewire: Callable[..., 
         assert 0.5 < row["one_second_current_a"] / row["catalogue_current_a"] < 1.5
 
 
-def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone_and_lasts(musclewire: Callable[..., Any]) -> None:
+def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone_and_lasts(musclewire: CommandLine) -> None:
     rows = {row["wire"]: row for row in musclewire("simulate", "--table", "--json").json["rows"]}
     row = rows["flexinol-0.15-lt"]
     alone = musclewire("simulate", "--wire", "flexinol-0.15-lt", "--json").json["suggested"]
@@ -120,7 +119,7 @@ def test_a_row_of_the_table_equals_the_answer_for_this_wire_alone_and_lasts(musc
     assert 144.0 < said["settled_temperature_degc"] <= 150.0
 
 
-def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: Callable[..., Any]) -> None:
+def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewire: CommandLine) -> None:
     drive = ("--current", "200 mA", "--off-after", "6 s", "--seed", "2", "--json")
     steady = musclewire("simulate", *drive).json
     pulsed = musclewire("simulate", *drive, "--duty", "50 %", "--duty-period", "0.5 s").json
@@ -145,5 +144,5 @@ def test_a_duty_heats_in_pulses_and_shows_largest_and_final_contraction(musclewi
         ("simulate --duty 50% --duty-period 20ms", "[pwm]"),
     ],
 )
-def test_wrong_usage_is_one_line(arguments: str, words: str, musclewire: Callable[..., Any]) -> None:
+def test_wrong_usage_is_one_line(arguments: str, words: str, musclewire: CommandLine) -> None:
     assert words in musclewire(*arguments.split()).refusal

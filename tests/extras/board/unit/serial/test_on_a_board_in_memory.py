@@ -151,16 +151,6 @@ def test_firmware_that_knows_no_corrections_is_refused_before_it_is_armed(
 NO_SUCH_COMMAND = 2
 
 
-def test_a_heater_that_lives_shorter_than_a_sample_period_is_refused() -> None:
-    with pytest.raises(CallerError, match="without a command for longer than its heater lives, 40 ms"):
-        rig_on(BoardInMemory(expiry_ms=40))
-
-
-def test_a_board_that_cannot_be_switched_off_at_the_start_is_not_opened() -> None:
-    with pytest.raises(RigError, match=f"answered {NO_SUCH_COMMAND} to OFF: its firmware"):
-        rig_on(BoardInMemory(answers={MessageKind.OFF: NO_SUCH_COMMAND}))
-
-
 def test_a_board_that_acknowledges_nothing_is_not_opened() -> None:
     class Speechless(BoardInMemory):
         """Greets, and never acknowledges."""

@@ -7,13 +7,14 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 import serial
+from tests.command_line import CommandLine
 
 from musclewire.errors import RigError
 from musclewire.extras.board import open_line
@@ -120,7 +121,7 @@ def test_who_holds_a_port_is_unknown_for_what_is_no_port() -> None:
 @only_linux
 @pytest.mark.slow
 def test_the_port_of_another_process_is_refused_with_its_name_and_number_until_it_is_killed(
-    port: str, tmp_path: Path, musclewire: Callable[..., Any]
+    port: str, tmp_path: Path, musclewire: CommandLine
 ) -> None:
     text = shipped_rig_files()["serial-board"].read_text("utf-8")
     lines = (f'port = "{port}"' if line.startswith("port") else line for line in text.splitlines())
