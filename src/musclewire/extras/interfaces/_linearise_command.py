@@ -12,7 +12,8 @@ from musclewire.errors import require_extra
 from musclewire.extras.interfaces._options import DISPLACEMENT, SENSED_BY
 
 if TYPE_CHECKING:
-    from musclewire.extras.interfaces._control_systems import Linearisation, LinearisedLoop, OperatingPoint
+    from musclewire.extras.interfaces._control_systems.operating_points import OperatingPoint
+    from musclewire.extras.interfaces._control_systems.study import Linearisation, LinearisedLoop
 
 ZERO_DEGC_K = 273.15
 

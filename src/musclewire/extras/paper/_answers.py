@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from musclewire.app import AnswerModel, AnswerRecord
-from musclewire.extras.paper._reproduce import OriginCount, ReproductionRow
+from musclewire.extras.paper._reproduce.verdicts import OriginCount, ReproductionRow
 
 
 class ReproduceAnswer(AnswerModel):

@@ -19,7 +19,7 @@ from musclewire.extras.paper._page.row_text import (
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from musclewire.extras.paper._reproduce import Reproduction
+    from musclewire.extras.paper._reproduce.reproduction import Reproduction
 
 TABLE_WIDTH = 150
 
@@ -84,7 +84,7 @@ def origins_text(result: Reproduction) -> str:
     """Return how many rows of each origin hold, are at the bar, and fail."""
     from rich.table import Table
 
-    from musclewire.extras.paper._reproduce import counts_by_origin
+    from musclewire.extras.paper._reproduce.verdicts import counts_by_origin
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("origin")

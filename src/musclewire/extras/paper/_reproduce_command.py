@@ -26,7 +26,7 @@ from musclewire.extras.paper._paper_text import rows_text, summary_text
 
 if TYPE_CHECKING:
     from musclewire.extras.paper._answers import ReproduceAnswer
-    from musclewire.extras.paper._reproduce import Reproduction
+    from musclewire.extras.paper._reproduce.reproduction import Reproduction
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class SeedOptions:
 
     def chosen(self) -> range:
         """Return the seeds. Raises CallerError for a single seed together with a set of them."""
-        from musclewire.extras.paper._reproduce import DEFAULT_SEEDS
+        from musclewire.extras.paper._reproduce.reproduction import DEFAULT_SEEDS
 
         if self.seed is not None:
             if self.seeds is not None or self.first_seed is not None:
@@ -62,7 +62,8 @@ def reproduce(
     """
     started = time.perf_counter()
     from musclewire.experiment import file_in
-    from musclewire.extras.paper._reproduce import all_checks, selected
+    from musclewire.extras.paper._reproduce.all_checks import all_checks
+    from musclewire.extras.paper._reproduce.paper_checks import selected
     from musclewire.signals import write_text_whole
 
     seeds = which.chosen()
@@ -83,7 +84,7 @@ def reproduce(
 def reproduced(only: str | None, seeds: range, workers: int | None, page: Path) -> Reproduction:
     """Measure on all seeds and write the page, with a bar or lines of progress; a signal ends both."""
     from musclewire.extras.paper._page.paper_page import write_paper_page
-    from musclewire.extras.paper._reproduce import reproduce as run_reproduce
+    from musclewire.extras.paper._reproduce.reproduction import reproduce as run_reproduce
 
     with stops_between_samples():
         with run_bar("seeds") as on_seed:
@@ -97,7 +98,7 @@ def reproduced(only: str | None, seeds: range, workers: int | None, page: Path) 
 def answer_of(result: Reproduction, page: Path, wall_s: float) -> ReproduceAnswer:
     """Return the answer under the keys of the interface."""
     from musclewire.extras.paper._answers import ReproduceAnswer
-    from musclewire.extras.paper._reproduce import counts_by_origin
+    from musclewire.extras.paper._reproduce.verdicts import counts_by_origin
 
     return ReproduceAnswer.read_from(
         result,

@@ -18,5 +18,5 @@ MANIFEST = Manifest(
             answer="musclewire.extras.paper._answers:ReproduceAnswer",
         ),
     ),
-    names={"reproduce": "musclewire.extras.paper._reproduce:reproduce"},
+    names={"reproduce": "musclewire.extras.paper._reproduce.reproduction:reproduce"},
 )

@@ -11,20 +11,10 @@ import pytest
 from musclewire.controllers import ControllerSetup, DriveLimits, PidSettings, pid_controller
 from musclewire.errors import CallerError
 from musclewire.extras.interfaces import linearise, simulated_wire
-from musclewire.extras.interfaces._control_systems import (
-    LinearWire,
-    OperatingPoint,
-    branch_system,
-    controller_system,
-    linear_system,
-    linearised,
-    loop_margins,
-    operating_point,
-    sampled_system,
-    wire_system,
-)
-from musclewire.extras.interfaces._control_systems.linearisation import Motion
-from musclewire.extras.interfaces._control_systems.operating_points import Branch
+from musclewire.extras.interfaces._control_systems.linearisation import LinearWire, Motion, linearised
+from musclewire.extras.interfaces._control_systems.loops import controller_system, loop_margins, sampled_system
+from musclewire.extras.interfaces._control_systems.operating_points import Branch, OperatingPoint, operating_point
+from musclewire.extras.interfaces._control_systems.systems import branch_system, linear_system, wire_system
 from musclewire.rigs import open_rig
 from musclewire.signals import Drive, QuantityEstimate
 from musclewire.wire import WireState, advance, resting_state

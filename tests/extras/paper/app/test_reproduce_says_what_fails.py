@@ -13,7 +13,8 @@ from tests.command_line import CommandLine
 from musclewire.errors import RecordingError
 from musclewire.extras.paper import PaperCheck
 from musclewire.extras.paper import _reproduce as reproduce_room
-from musclewire.extras.paper._reproduce import RunCache, reproduction
+from musclewire.extras.paper._reproduce import reproduction
+from musclewire.extras.paper._reproduce.runs import RunCache
 
 KEYS = {
     *("name", "paper", "ours", "low", "high", "median_low", "median_high", "seeds", "unit", "tolerance", "compare"),

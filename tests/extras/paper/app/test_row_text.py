@@ -14,8 +14,8 @@ from musclewire.extras.paper._page.row_text import (
     limit_text,
     paper_text,
 )
-from musclewire.extras.paper._reproduce import RunCache
 from musclewire.extras.paper._reproduce.paper_checks import Compare, Kind, subject_of
+from musclewire.extras.paper._reproduce.runs import RunCache
 
 
 def row(

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.extras.paper import PaperCheck, SeedResult, all_checks, known_failures, selected
-from musclewire.extras.paper._reproduce import RunCache, measured
-from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
+from musclewire.extras.paper._reproduce.paper_checks import Compare, holds, measured
+from musclewire.extras.paper._reproduce.runs import RunCache
 from musclewire.parameters import read_published
 
 RUNS = RunCache()

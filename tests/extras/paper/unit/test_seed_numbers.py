@@ -8,7 +8,9 @@ import pytest
 
 from musclewire.errors import CallerError, RecordingError
 from musclewire.extras.paper import PaperCheck, SeedCallbacks, SeedResult, all_checks, numbers_of_seeds, selected
-from musclewire.extras.paper._reproduce import RunCache, reproduce, reproduction
+from musclewire.extras.paper._reproduce import reproduction
+from musclewire.extras.paper._reproduce.reproduction import reproduce
+from musclewire.extras.paper._reproduce.runs import RunCache
 
 SEEDS = (3, 1, 4, 8)
 

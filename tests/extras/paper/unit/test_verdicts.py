@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from scipy.stats import quantile_test
 
 from musclewire.extras.paper import PaperCheck, ReproductionRow, SeedResult, row_of_check
-from musclewire.extras.paper._reproduce import counts_by_origin
 from musclewire.extras.paper._reproduce.paper_checks import Compare, holds
-from musclewire.extras.paper._reproduce.verdicts import median_interval, spread_of
+from musclewire.extras.paper._reproduce.verdicts import counts_by_origin, median_interval, spread_of
 
 NUMBERS = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=60)
 

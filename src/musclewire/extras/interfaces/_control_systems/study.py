@@ -91,7 +91,7 @@ def linearise(
 
     Examples
     --------
-    >>> from musclewire.extras.interfaces._control_systems import linearise
+    >>> from musclewire.extras.interfaces._control_systems.study import linearise
     >>> found = linearise(2e-3)
     >>> [one.linear.motion for one in found.loops]
     ['branch', 'minor loop', 'branch', 'minor loop']

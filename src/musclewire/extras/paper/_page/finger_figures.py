@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from musclewire_design import PretensionerDesign
 
-    from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
+    from musclewire.extras.paper._reproduce.loops import SlowSineLoop
+    from musclewire.extras.paper._reproduce.runs import RunCache
 
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
 SHOWN_N = (0.15, 0.37, 0.71, 1.15, 1.7)

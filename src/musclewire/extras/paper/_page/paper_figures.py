@@ -44,7 +44,8 @@ from musclewire.parameters import read_published
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.extras.paper._reproduce import RunCache, SlowSineLoop
+    from musclewire.extras.paper._reproduce.loops import SlowSineLoop
+    from musclewire.extras.paper._reproduce.runs import RunCache
 
 ZERO_CELSIUS_K = 273.15
 HELD_OUT = "#3f8f4f"

@@ -19,7 +19,8 @@ from musclewire.signals import write_text_whole
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from musclewire.extras.paper._reproduce import Reproduction, ReproductionRow
+    from musclewire.extras.paper._reproduce.reproduction import Reproduction
+    from musclewire.extras.paper._reproduce.verdicts import ReproductionRow
 
 
 NAME = re.compile(r"(?P<subject>\w+)\.(?P<key>\w+)(?:\[(?P<conditions>[^\]]+)\])?")

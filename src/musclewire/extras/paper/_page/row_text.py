@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from musclewire.extras.paper._reproduce import ReproductionRow
+    from musclewire.extras.paper._reproduce.verdicts import ReproductionRow
 
 
 def paper_text(row: ReproductionRow) -> str:

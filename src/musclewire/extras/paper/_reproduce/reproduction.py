@@ -198,7 +198,7 @@ def reproduce(
 
     Examples
     --------
-    >>> from musclewire.extras.paper._reproduce import reproduce
+    >>> from musclewire.extras.paper._reproduce.reproduction import reproduce
     >>> [row.verdict for row in reproduce("eq3", seeds=[1]).rows]
     ['holds', 'holds']
     """
