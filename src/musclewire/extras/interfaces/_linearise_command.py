@@ -71,12 +71,12 @@ def linearise(
     """Linearise the simulated wire at a displacement: operating points, poles, margins of the closed loop."""
     figure.check()
     require_extra("a system of python-control", "control")
-    from musclewire.extras.interfaces import _control_systems as control_systems
+    from musclewire.extras.interfaces._control_systems import study
     from musclewire.sensing import load_model
 
     model = None if sensed_by is None else load_model(sensed_by)
-    found = control_systems.linearise(in_si("--displacement", displacement), rig, model=model)
-    figure.draw(partial(control_systems.bode_axes, found))
+    found = study.linearise(in_si("--displacement", displacement), rig, model=model)
+    figure.draw(partial(study.bode_axes, found))
     return Result(linearisation_answer(found), linearisation_text(found))
 
 

@@ -12,8 +12,7 @@ from tests.command_line import CommandLine
 
 from musclewire.errors import RecordingError
 from musclewire.extras.paper import PaperCheck
-from musclewire.extras.paper import _reproduce as reproduce_room
-from musclewire.extras.paper._reproduce import reproduction
+from musclewire.extras.paper._reproduce import all_checks, reproduction
 from musclewire.extras.paper._reproduce.runs import RunCache
 
 KEYS = {
@@ -40,7 +39,7 @@ KNOWN, NEW = check("eq2.known", lambda _: 9.0), check("eq2.new[125um,1.70N]", no
 @pytest.fixture
 def checks(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     def use(*chosen: PaperCheck) -> None:
-        for room in (reproduce_room, reproduction):
+        for room in (all_checks, reproduction):
             monkeypatch.setattr(room, "all_checks", lambda: list(chosen))
         known = {"eq2.known": "too <soft> by far", "eq1.repaired": "was too hard"}
         monkeypatch.setattr(reproduction, "known_failures", lambda: known)
