@@ -12,7 +12,8 @@ from tests.command_line import CommandLine
 from musclewire import manifest
 from musclewire.errors import CallerError
 from musclewire.extras.paper import PaperCheck, all_checks
-from musclewire.extras.paper._reproduce import all_checks, reproduction
+from musclewire.extras.paper._reproduce import all_checks as all_checks_file
+from musclewire.extras.paper._reproduce import reproduction
 from musclewire.extras.paper._reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 
 INSTALL = "not installed: pip install ./packages/design in the checkout"
@@ -39,7 +40,7 @@ def test_a_row_that_is_asked_for_and_cannot_be_measured_is_refused_in_one_line(
 def test_rows_that_cannot_be_measured_are_left_out_and_named(
     musclewire: CommandLine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for room in (all_checks, reproduction):
+    for room in (all_checks_file, reproduction):
         monkeypatch.setattr(room, "all_checks", lambda: [GOOD, SIZED])
     monkeypatch.setattr(reproduction, "known_failures", dict)
     answer = musclewire("reproduce", "--seed", "1", "--output", tmp_path)
