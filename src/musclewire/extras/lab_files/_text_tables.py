@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from musclewire.errors import RecordingError
-from musclewire.extras.lab_files._number_style import is_missing, number_and_unit
+from musclewire.extras.lab_files._number_style import NumberStyle, is_missing, number_and_unit
 from musclewire.extras.lab_files._text_layout import (
     COUNTED,
     OF_UNITS,
@@ -32,9 +31,9 @@ from musclewire.files import BLOCK_ROWS, Cells, RowBlock, SourceColumn, stated_p
 from musclewire.signals import MetadataValue, is_unit, scale_between
 
 _COMMENT = re.compile(r"\s*(?:#(?!\d|N/A)|%|//|!|;(?=\s))+\s?(.*)")
-# With what a comment or a blank line begins; any other line needs no closer look.
-_MAY_BE_NO_ROW = frozenset("#%/!; \t\f\v\xa0")
-_ONLY_SEPARATORS = " \t;,|"
+# With what a comment or a line without cells begins; any other line needs no closer look.
+_MAY_BE_NO_ROW = frozenset("#%/!;,| \t\f\v\xa0")
+_ONLY_SEPARATORS = " \t\f\v\xa0;,|"
 # For NumPy; a point among decimal commas makes a number none.
 _COMMA_AS_POINT = str.maketrans({",": ".", ".": "x"})
 _SEPARATOR_LINE = re.compile(r"\s*\"?sep=.\"?\s*", re.IGNORECASE)
@@ -46,6 +45,29 @@ _ROWS_TO_COMPARE = 20  # before a last line that may be cut off: they show what 
 
 
 @dataclass(frozen=True)
+class TextColumn(SourceColumn):
+    """A column, and how its cells are written."""
+
+    cell: int = field(kw_only=True)  # of a line
+    style: NumberStyle = field(kw_only=True)
+    unit_cell: int | None = None  # the cell of a line that states the unit of the number
+    unit_inside: str | None = None  # of the cells themselves, or next to them: numbers come out in it; "" if it changes
+    is_unit: bool = False  # only the units in the cells
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the cells are numbers and nothing else."""
+        return not self.is_text and self.unit_inside is None
+
+    def parts(self, row: Sequence[str]) -> tuple[str, str]:
+        """Return what a row holds in the column, and the unit of that."""
+        cell = row[self.cell].strip() if self.cell < len(row) else ""
+        if self.unit_cell is not None:
+            return cell, row[self.unit_cell].strip() if self.unit_cell < len(row) else ""
+        return (self.unit_inside is not None and number_and_unit(cell)) or (cell, "")
+
+
+@dataclass(frozen=True)
 class TextTable:
     """A table in lines of text, of which only the first have been read."""
 
@@ -54,9 +76,7 @@ class TextTable:
     text_layout: TextLayout
     layout: str
     row_word: str  # what messages call a line
-    columns: tuple[SourceColumn, ...]
-    parts: tuple[tuple[int, ...], ...]  # which cells of a line each column is
-    cell_units: tuple[str | None, ...]  # the unit in the cells of each column themselves
+    columns: tuple[TextColumn, ...]
     metadata: Mapping[str, MetadataValue] = field(default_factory=dict)
     stated_periods_s: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
@@ -66,56 +86,60 @@ class TextTable:
     def blocks(self, indices: Sequence[int]) -> Iterator[RowBlock]:
         """Return the rows of some columns, block after block; each call begins again."""
         first_line = self.text_layout.first_line
-        if self.plain_path is not None and indices and all(map(self._is_plain, indices)):
+        are_plain = bool(indices) and all(self.columns[index].is_plain for index in indices)
+        if self.plain_path is not None and are_plain:
             # Here, because compiled code takes half a second to load, which a small file is not worth.
             from musclewire.extras.lab_files._plain_rows import plain_rows
 
             style, width = self.text_layout.style, len(self.text_layout.headers)
             pieces = plain_rows(self.plain_path, first_line, self.text_layout.separator, width, style.decimal)
             for table, is_end in pieces:
-                plain = tuple(table[:, self.parts[index][0]] for index in indices)
+                plain = tuple(table[:, self.columns[index].cell] for index in indices)
                 yield RowBlock(plain, self._place(range(first_line, first_line + len(table))), len(table))
                 first_line += len(table)
                 if is_end:
                     return
-        below = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
-        first = next(below, (0, ""))
+        lines = itertools.dropwhile(lambda line: line[0] < first_line, self.lines())
+        first = next(lines, (0, ""))
         count = max(1, min(BLOCK_ROWS, _BLOCK_LENGTH // (len(first[1]) + 1)))
-        lines = itertools.chain([first], below)
-        held: list[Line] = []
-        longest = 0
-        while block := list(itertools.islice(lines, count)):
-            longest = max(longest, *(len(text) for _, text in block[:-1]), 0)
-            # What follows the last row of a block is judged with the next one, or at the end of the file.
-            yield from self._rows_of(held, block, indices)
-        if held:
-            yield self._end(held, longest, indices)
+        block, held = [first, *itertools.islice(lines, count - 1)], list[Line]()
+        while block:
+            following = list(itertools.islice(lines, count))
+            can_be_plain = are_plain and not held and (following or not self.ends_open)
+            values = self._plain_block([text for _, text in block], indices) if can_be_plain else None
+            if values is not None:
+                yield RowBlock(values, self._place([number for number, _ in block]), len(block))
+            else:
+                # What follows the last row of a block is judged with the next one, or at the end of the file.
+                held = yield from self._rows_of([*held, *block], not following, indices)
+            block = following
 
-    def _rows_of(self, held: list[Line], block: list[Line], indices: Sequence[int]) -> Iterator[RowBlock]:
-        """Yield a block's rows with the lines among them that are none; ``held`` are the last, without a row after."""
-        numbers, texts = zip(*block, strict=True)
-        plain = None if held or self.ends_open else self._plain_block(list(texts), indices)
-        if plain is not None:
-            yield RowBlock(plain, self._place(numbers), len(texts))
-            return
-        lines = [*held, *block]
+    def _rows_of(
+        self, lines: Sequence[Line], is_end: bool, indices: Sequence[int]
+    ) -> Generator[RowBlock, None, list[Line]]:
+        """Yield the rows among lines, and at the end what is behind the last one; else this is returned."""
         rows = split_lines([text for _, text in lines], self.text_layout.separator)
         kinds = [self._kind_of(line, row) for line, row in zip(lines, rows, strict=True)]
-        last = max((place for place, kind in enumerate(kinds) if kind == "row"), default=-1)
-        held[:] = lines[last + 1 :]
-        chosen = [place for place in range(last + 1) if kinds[place] in ("row", "damaged")]
-        others = tuple(lines[place] for place in range(last + 1) if kinds[place] == "words")
-        if chosen and not held and self.ends_open and self._is_cut([rows[place] for place in chosen], lines[last][1]):
-            held[:] = [lines[chosen.pop()]]
-        if not chosen:
-            held[:0] = others
-            return
-        numbers = tuple(lines[place][0] for place in chosen)
-        words: dict[tuple[int, int], str] = {}
-        values = self._values(numbers, [rows[place] for place in chosen], indices, words)
-        headers = [place for place in range(last) if lines[place][1] in self.text_layout.header_lines]
-        again = tuple(dict.fromkeys(int(np.searchsorted(chosen, place)) for place in headers))
-        yield RowBlock(values, self._place(numbers), len(chosen), others, words=words, again=again)
+        end = 1 + max((place for place, kind in enumerate(kinds) if kind == "row"), default=-1)
+        is_cut = is_end and self.ends_open and self._is_cut(lines, rows, end)
+        if is_cut:
+            end = len(lines) - 1
+        elif is_end and kinds[end:][:1] == ["damaged"]:
+            end += 1
+        chosen = [place for place in range(end) if kinds[place] in ("row", "damaged")]
+        numbers = [lines[place][0] for place in chosen]
+        if chosen:
+            others = tuple(lines[place] for place in range(end) if kinds[place] == "words")
+            words: dict[tuple[int, int], str] = {}
+            values = self._values(numbers, [rows[place] for place in chosen], indices, words)
+            headers = [place for place in range(end) if lines[place][1] in self.text_layout.header_lines]
+            again = tuple(dict.fromkeys(int(np.searchsorted(chosen, place)) for place in headers))
+            yield RowBlock(values, self._place(numbers), len(chosen), others, words=words, again=again)
+        behind = list(lines[end:] if chosen else lines)
+        if is_end and behind:
+            is_row = is_cut and any(map(str.isdigit, behind[-1][1]))
+            yield RowBlock((), self._place(numbers), 0, tuple(behind), is_end=True, is_cut=is_row)
+        return behind
 
     def _kind_of(self, line: Line, row: Sequence[str]) -> str:
         """Return what a line is: a "row", a "damaged" one, "words" between rows, or "nothing"."""
@@ -131,27 +155,20 @@ class TextTable:
         begins = counted[0] < len(row) and kind_of(row[counted[0]]) in COUNTED
         return "damaged" if begins else "words"
 
-    def _is_cut(self, rows: Sequence[Sequence[str]], text: str) -> bool:
-        """Return whether the last row ends earlier than those before it, as in a file that is being written."""
-        end = self.text_layout.counted[-1]
-        others = [row for row in rows[-1 - _ROWS_TO_COMPARE : -1] if len(row) > end]
+    def _is_cut(self, lines: Sequence[Line], rows: Sequence[Sequence[str]], end: int) -> bool:
+        """Return whether the last line ends earlier than the rows before it, as in a file that is being written.
+
+        ``end`` is behind the last line that looks like a row.
+        """
+        text, counted = lines[-1][1], self.text_layout.counted
+        if end < len(lines):
+            return end == len(lines) - 1 and len(text) <= max((len(other) for _, other in lines[:-1]), default=0)
+        others = [row for row in rows[-1 - _ROWS_TO_COMPARE : -1] if len(row) > counted[-1] and conforms(row, counted)]
         if not others or len(rows[-1]) < len(others[0]) or text.count('"') % 2:
             return bool(others)
         place = len(others[0]) - 1
         ends = [_end_of(row[place]) for row in others if len(row) > place and not is_missing(row[place])]
         return bool(ends) and _end_of(rows[-1][place]) < min(ends)
-
-    def _end(self, held: Sequence[Line], longest: int, indices: Sequence[int]) -> RowBlock:
-        """Return the lines behind the last row: a damaged one, one that is cut off, or a table of something else."""
-        rows = split_lines([text for _, text in held], self.text_layout.separator)
-        place = self._place([number for number, _ in held])
-        cut = len(held) == 1 and self.ends_open and len(held[0][1]) <= longest
-        if self._kind_of(held[0], rows[0]) in ("row", "damaged") and not cut:
-            words: dict[tuple[int, int], str] = {}
-            return RowBlock(
-                self._values((held[0][0],), rows[:1], indices, words), place, 1, tuple(held[1:]), words=words
-            )
-        return RowBlock((), place, 0, tuple(held), is_end=True, is_cut=cut and any(map(str.isdigit, held[0][1])))
 
     def _place(self, numbers: Sequence[int]) -> Callable[[int], str]:
         return lambda row: f"{self.row_word} {numbers[row]}"
@@ -159,13 +176,13 @@ class TextTable:
     def _plain_block(self, texts: list[str], indices: Sequence[int]) -> tuple[Cells, ...] | None:
         """Return the columns of a block that NumPy reads at once; None if lines have to be looked at one by one."""
         layout = self.text_layout
-        if not indices or layout.style.thousands or not all(map(self._is_plain, indices)):
+        if layout.style.thousands:
             return None
         # A line with other cells than the others, or with quotes, is not for NumPy.
         counts = {text.count(layout.separator) for text in texts} if layout.separator != " " else {0}
         if len(counts) > 1 or counts > {len(layout.headers)} or any('"' in text for text in texts):
             return None
-        source = [self.parts[index][0] for index in indices]
+        source = [self.columns[index].cell for index in indices]
         lines = [text.translate(_COMMA_AS_POINT) for text in texts] if layout.style.decimal == "," else texts
         separator = None if layout.separator == " " else layout.separator
         try:
@@ -174,10 +191,6 @@ class TextTable:
         except ValueError:
             return None
         return tuple(found) if found.shape == (len(source), len(texts)) else None
-
-    def _is_plain(self, index: int) -> bool:
-        """Return whether the cells of a column are numbers and nothing else."""
-        return not self.columns[index].is_text and self.cell_units[index] is None
 
     def _values(
         self, numbers: Sequence[int], rows: list[list[str]], indices: Sequence[int], words: dict[tuple[int, int], str]
@@ -193,54 +206,28 @@ class TextTable:
         self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int], words: dict[tuple[int, int], str]
     ) -> Cells:
         """Return the cells of a column; a word among numbers is none of them, and kept in ``words``."""
-        parts = self.parts[index]
-        style = self.text_layout.styles[parts[0]]
-        if self.cell_units[index] == "unit":
-            pairs = [number_and_unit(row[parts[0]]) if parts[0] < len(row) else None for row in rows]
-            return ["" if pair is None else pair[1] for pair in pairs]
-        if self.columns[index].is_text:
-            return [row[parts[0]].strip() if parts[0] < len(row) else "" for row in rows]
+        column = self.columns[index]
+        pairs = [column.parts(row) for row in rows]
+        if column.is_text:
+            return [unit if column.is_unit else cell for cell, unit in pairs]
         values = np.full(len(rows), np.nan)
-        for place, row in enumerate(rows):
-            cell = row[parts[0]] if parts[0] < len(row) else ""
-            scale = 1.0
-            if self.cell_units[index] is not None:
-                beside = row[parts[1]] if len(parts) > 1 and parts[1] < len(row) else None
-                cell, scale = self._without_unit(cell, beside, index, numbers[place])
+        for place, (cell, unit) in enumerate(pairs):
+            scale = scale_between(unit, column.unit_inside) if unit and column.unit_inside else 1.0
+            where = f"{self.path}: {self.row_word} {numbers[place]}, column '{column.header}'"
+            if scale is None:
+                said = f"'{cell} {unit}' is not in {column.unit_inside}, as the cells above are"
+                raise RecordingError(f"{where}: {said}; write one quantity in a column")
             try:
-                values[place] = style.number(cell) * scale
+                values[place] = column.style.number(cell) * scale
             except ValueError:
-                if not is_missing(cell):
-                    shown = " ".join(cell.split())[:40]
-                    if not any(map(str.isdigit, cell)):
-                        words[place, index] = shown
-                        continue
-                    where = self._where(numbers[place], index)
-                    message = f"{where}: '{shown}' is not a number; correct it or remove the {self.row_word}"
-                    raise RecordingError(message) from None
+                if is_missing(cell):
+                    continue
+                shown = " ".join(cell.split())[:40]
+                if any(map(str.isdigit, cell)):
+                    cure = f"correct it or remove the {self.row_word}"
+                    raise RecordingError(f"{where}: '{shown}' is not a number; {cure}") from None
+                words[place, index] = shown
         return values
-
-    def _where(self, number: int, index: int) -> str:
-        return f"{self.path}: {self.row_word} {number}, column '{self.columns[index].header}'"
-
-    def _without_unit(self, cell: str, beside: str | None, index: int, number: int) -> tuple[str, float]:
-        """Return the number of "0.33 V", or of a cell next to its unit, and what makes it one in the column's unit.
-
-        Raises RecordingError if the unit measures something else.
-        """
-        own = str(self.cell_units[index])
-        found, unit = number_and_unit(cell) or (cell.strip(), own)
-        if not own:
-            return found, 1.0
-        if beside is not None:
-            found, unit = cell.strip(), beside.strip() or own
-        if unit == own or is_missing(found):
-            return found, 1.0
-        scale = scale_between(unit, own)
-        if scale is None:
-            said = f"'{cell.strip()[:40]}' in {unit} is not in {own}, as the cells above are"
-            raise RecordingError(f"{self._where(number, index)}: {said}; write one quantity in a column")
-        return found, scale
 
 
 def _end_of(cell: str) -> tuple[int, int]:
@@ -251,24 +238,22 @@ def _end_of(cell: str) -> tuple[int, int]:
 
 def read_text_table(path: Path, group: str | None = None) -> TextTable:
     """Return the table in a text file by its first lines. Raises RecordingError if it is no text, or holds no table."""
-    path, comments = without_groups(path, group), list[str]()
-    for number, text in lines_of(path):
-        comment = _COMMENT.fullmatch(text)
-        if comment is not None:
-            comments.append(comment[1].strip())
-        elif text.strip(_ONLY_SEPARATORS) and not (number < 3 and _SEPARATOR_LINE.fullmatch(text)):
-            break
+    path = without_groups(path, group)
+    above = itertools.takewhile(lambda line: not _may_be_row(line), lines_of(path))
+    comments = [match[1].strip() for _, text in above if (match := _COMMENT.fullmatch(text)) is not None]
     separator = "\t" if path.suffix.lower() == ".tsv" else None
-    plain = partial(_without_comments, path)
-    shape = shape_of(list(itertools.islice(plain(), _HEAD_LINES)))
-    ends_open = ends_within_a_line(path)
+
+    def lines() -> Iterator[Line]:
+        return filter(_may_be_row, lines_of(path))
+
+    shape = shape_of(list(itertools.islice(lines(), _HEAD_LINES)))
     if shape is None:
-        table = table_of_lines(str(path), plain, "text", separator, "line", comments)
-        layout = table.text_layout
-        is_large = path.stat().st_size >= _LARGE and layout.separator != " " and not layout.style.thousands
-        return replace(table, plain_path=path if is_large else None, ends_open=ends_open)
-    table = table_of_lines(str(path), lambda: shape.lines(plain()), shape.words, shape.separator, "line", comments)
-    return replace(table, ends_open=ends_open)
+        table = table_of_lines(str(path), lines, "text", separator, "line", comments)
+    else:
+        table = table_of_lines(str(path), lambda: shape.lines(lines()), shape.words, shape.separator, "line", comments)
+    layout, is_large = table.text_layout, shape is None and path.stat().st_size >= _LARGE
+    is_plain = is_large and layout.separator != " " and not layout.style.thousands
+    return replace(table, plain_path=path if is_plain else None, ends_open=ends_within_a_line(path))
 
 
 def table_of_lines(
@@ -295,55 +280,45 @@ def table_of_lines(
         raise RecordingError(f"{path}: has no rows; the first line names the columns, the others hold numbers")
     layout = layout_of(head, comments, separator, path)
     words = what if separator is not None and row_word == "row" else f"{what}, {layout}"
-    columns, parts, cell_units = _source_columns(layout, head)
     titles = layout.titles
     notes = (f"{titles} {row_word}{'s' if titles > 1 else ''} above the headers skipped",) if titles else ()
     periods_s = stated_periods_s(layout.metadata, unit_stated=True)
-    return TextTable(
-        path, lines, layout, words, row_word, columns, parts, cell_units, layout.metadata, periods_s, notes
-    )
+    columns = _columns_of(layout, head)
+    return TextTable(path, lines, layout, words, row_word, columns, layout.metadata, periods_s, notes)
 
 
-def _without_comments(path: Path) -> Iterator[Line]:
-    """Yield the lines of a file that may be rows of a table, its titles or headers."""
-    for number, text in lines_of(path):
-        if not text or (text[0] in _MAY_BE_NO_ROW and (text.isspace() or _COMMENT.match(text))):
-            continue
-        if number > 2 or not _SEPARATOR_LINE.fullmatch(text):
-            yield number, text
+def _may_be_row(line: Line) -> bool:
+    """Return whether a line may be a row of a table, its titles or headers."""
+    number, text = line
+    if not text or (text[0] in _MAY_BE_NO_ROW and (not text.strip(_ONLY_SEPARATORS) or _COMMENT.match(text))):
+        return False
+    return number > 2 or not _SEPARATOR_LINE.fullmatch(text)
 
 
-def _source_columns(
-    layout: TextLayout, lines: Sequence[Line]
-) -> tuple[tuple[SourceColumn, ...], tuple[tuple[int, ...], ...], tuple[str | None, ...]]:
-    """Return the columns, which cells of a line each one is, and the unit in its cells, or next to them."""
+def _columns_of(layout: TextLayout, lines: Sequence[Line]) -> tuple[TextColumn, ...]:
+    """Return the columns of a table by its first lines."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
     rows = [row for row in rows if len(row) == len(layout.headers) and conforms(row, layout.counted)]
-    columns: list[SourceColumn] = []
-    parts: list[tuple[int, ...]] = []
-    units: list[str | None] = []
+    columns: list[TextColumn] = []
     before = ""
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
-        cells = [row[index] for row in rows if not is_missing(row[index])]
-        beside = _unit_of([cell.strip() for cell in cells]) if kind == "text" and before == "numbers" else None
-        inside = (
-            _unit_of([pair[1] for cell in cells if (pair := number_and_unit(cell))]) if kind == "quantities" else None
-        )
-        before = kind
-        if beside and OF_UNITS.fullmatch(header):
-            columns[-1] = replace(columns[-1], unit=beside)
-            parts[-1], units[-1] = (index - 1, index), beside
+        cells = [row[index].strip() for row in rows if not is_missing(row[index])]
+        pairs = [number_and_unit(cell) for cell in cells] if kind == "quantities" else []
+        inside = _unit_of([pair[1] for pair in pairs if pair is not None])
+        is_text = kind in {"times", "text"}
+        column = TextColumn(header, unit, is_text, kind == "blank", cell=index, style=layout.styles[index])
+        if kind == "text" and before == "numbers" and OF_UNITS.fullmatch(header) and (beside := _unit_of(cells)):
+            columns[-1] = replace(columns[-1], unit=beside, unit_cell=index, unit_inside=beside)
         elif inside == "":
             # Several quantities below each other, as in a row for each channel.
-            columns += [SourceColumn(header), SourceColumn("unit", is_text=True)]
-            parts += [(index,), (index,)]
-            units += ["", "unit"]
+            each = replace(column, unit=None, unit_inside="")
+            columns += [each, replace(each, header="unit", is_text=True, is_unit=True)]
+        elif inside is not None:
+            columns.append(replace(column, unit=inside, unit_inside=inside))
         elif kind != "beside":
-            is_text = kind in {"times", "text"}
-            columns.append(SourceColumn(header, unit if inside is None else inside, is_text, kind == "blank"))
-            parts.append((index,))
-            units.append(inside)
-    return tuple(columns), tuple(parts), tuple(units)
+            columns.append(column)
+        before = kind
+    return tuple(columns)
 
 
 def _unit_of(texts: Sequence[str]) -> str | None:
