@@ -123,7 +123,8 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
     counted = counted_of(kinds)
     if not counted:
         raise RecordingError(f"{path}: has no rows of numbers below its headers; a recording needs 2 or more")
-    start = next((index for index, row in enumerate(rows) if _is_first(row, width, kinds)), len(rows))
+    whole = (len(row) >= width and is_row(row, kinds) and kind_of(row[counted[0]]) in COUNTED for row in rows)
+    start = next((index for index, is_first in enumerate(whole) if is_first), len(rows))
     body = rows[start:]
     texts = [text for _, text in lines[:start]]
     above = [list(map(_one_line, row)) for row, text in zip(rows, texts, strict=False) if not _RULE.fullmatch(text)]
@@ -152,7 +153,7 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
     stated = {**_stated_units(said, names, counted), **head.units}
     units = [stated.get(index) for index in range(count)]
     _check_units(names, units, path)
-    like = [row for row in body if conforms(row, counted)]
+    like = [row for row in body if is_row(row, kinds)]
     styles = [style_of((number_and_unit(row[i]) or (row[i],))[0] for row in like if i < len(row)) for i in range(count)]
     titles = len(above) - head.line_count
     return TextLayout(
@@ -229,19 +230,17 @@ def _columns_of(rows: Sequence[Sequence[str]]) -> tuple[int, tuple[str, ...]]:
     width = max(counted, key=lambda width: (counted[width], width))
     like = [row for row in like if len(row) == width]
     columns = list(zip(*like, strict=True))
-    kinds = [_kind_of_most(cells) for cells in columns]
-    # Settings next to the first rows, each a word and its value, are not of the table.
-    ended = [not any(cell.strip() for cell in cells[len(cells) // 2 :]) for cells in columns]
-    words = any(over and kind == "text" for over, kind in zip(ended, kinds, strict=True))
-    # Where such lines hold other things than numbers in the other columns, they are settings for each channel.
-    others = [i for i, over in enumerate(ended) if not over]
+    kinds = tuple(map(_kind_of_most, columns))
+    late = tuple(_kind_of_most(cells[len(cells) // 2 :]) for cells in columns)
+    has_ended = [now == "blank" != kind for now, kind in zip(late, kinds, strict=True)]
+    if not any(ended and kind == "text" for ended, kind in zip(has_ended, kinds, strict=True)):
+        return width, kinds
+    # Words that end with the first rows are settings: above the rows if they have words for other columns too,
     wide = [row for row in rows if len(row) == width and row[0].strip()]
-    if words and any(kind_of(row[i]) == "text" for row in wide for i in others):
-        rows_below = [row for row in like if not row[0].strip()]
-        return width, tuple(_kind_of_most(cells) for cells in zip(*rows_below, strict=True))
-    return width, tuple(
-        "beside" if words and over and kind != "blank" else kind for over, kind in zip(ended, kinds, strict=True)
-    )
+    if any(kind_of(row[i]) == "text" for row in wide for i, now in enumerate(late) if now != "blank"):
+        return width, late
+    # and else next to them.
+    return width, tuple("beside" if ended else kind for ended, kind in zip(has_ended, kinds, strict=True))
 
 
 def _kind_of_most(cells: Sequence[str]) -> str:
@@ -254,19 +253,14 @@ def _kind_of_most(cells: Sequence[str]) -> str:
     return kind if 2 * filled.count(kind) >= len(filled) else "text"
 
 
-def _is_first(row: Sequence[str], width: int, kinds: Sequence[str]) -> bool:
-    """Return whether a line is a whole row of the table and not a header or title."""
-    if len(row) < width or (kinds[0] == "blank" and row[0].strip()):
-        return False
-    counted = counted_of(kinds)
-    return conforms(row, counted) and kind_of(row[counted[0]]) in COUNTED
-
-
-def conforms(row: Sequence[str], counted: Sequence[int]) -> bool:
+def is_row(row: Sequence[str], kinds: Sequence[str]) -> bool:
     """Return whether most of the cells that should be numbers or times are, and not all of them are missing."""
-    kinds = [kind_of(row[index]) if index < len(row) else "blank" for index in counted]
-    good = sum(kind in COUNTED for kind in kinds)
-    return bool(good) and 2 * (good + kinds.count("blank")) >= len(kinds)
+    counted = counted_of(kinds)
+    if len(row) <= counted[-1] or (kinds[0] == "blank" and row[0].strip()):
+        return False
+    found = [kind_of(row[index]) for index in counted]
+    good = sum(kind in COUNTED for kind in found)
+    return good > 0 and 2 * (good + found.count("blank")) >= len(found)
 
 
 class _Head(NamedTuple):

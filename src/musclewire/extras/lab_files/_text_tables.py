@@ -19,7 +19,7 @@ from musclewire.extras.lab_files._text_layout import (
     COUNTED,
     OF_UNITS,
     TextLayout,
-    conforms,
+    is_row,
     kind_of,
     layout_of,
     split_lines,
@@ -146,24 +146,21 @@ class TextTable:
         layout = self.text_layout
         if not line[1].strip(_ONLY_SEPARATORS) or line[1] in layout.header_lines:
             return "nothing"
-        if layout.kinds[0] == "blank" and row[0].strip():
-            return "words"
-        counted = layout.counted
-        is_wide = any(cell.strip() for cell in row[len(layout.headers) :])
-        if len(row) > counted[-1] and conforms(row, counted) and not is_wide:
+        if is_row(row, layout.kinds) and not any(map(str.strip, row[len(layout.headers) :])):
             return "row"
-        begins = counted[0] < len(row) and kind_of(row[counted[0]]) in COUNTED
-        return "damaged" if begins else "words"
+        first = layout.counted[0]
+        begins = first < len(row) and kind_of(row[first]) in COUNTED
+        return "damaged" if begins and not (layout.kinds[0] == "blank" and row[0].strip()) else "words"
 
     def _is_cut(self, lines: Sequence[Line], rows: Sequence[Sequence[str]], end: int) -> bool:
         """Return whether the last line ends earlier than the rows before it, as in a file that is being written.
 
         ``end`` is behind the last line that looks like a row.
         """
-        text, counted = lines[-1][1], self.text_layout.counted
+        text = lines[-1][1]
         if end < len(lines):
             return end == len(lines) - 1 and len(text) <= max((len(other) for _, other in lines[:-1]), default=0)
-        others = [row for row in rows[-1 - _ROWS_TO_COMPARE : -1] if len(row) > counted[-1] and conforms(row, counted)]
+        others = [row for row in rows[-1 - _ROWS_TO_COMPARE : -1] if is_row(row, self.text_layout.kinds)]
         if not others or len(rows[-1]) < len(others[0]) or text.count('"') % 2:
             return bool(others)
         place = len(others[0]) - 1
@@ -298,7 +295,7 @@ def _may_be_row(line: Line) -> bool:
 def _columns_of(layout: TextLayout, lines: Sequence[Line]) -> tuple[TextColumn, ...]:
     """Return the columns of a table by its first lines."""
     rows = split_lines([text for number, text in lines if number >= layout.first_line], layout.separator)
-    rows = [row for row in rows if len(row) == len(layout.headers) and conforms(row, layout.counted)]
+    rows = [row for row in rows if len(row) == len(layout.headers) and is_row(row, layout.kinds)]
     columns: list[TextColumn] = []
     before = ""
     for index, (header, unit, kind) in enumerate(zip(layout.headers, layout.units, layout.kinds, strict=True)):
