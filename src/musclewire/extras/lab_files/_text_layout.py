@@ -144,8 +144,9 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
         source = next((row[1] for row in said if len(row) > 1 and _SOURCE.fullmatch(row[0])), "CH1")
         of_counted = dict(zip(counted, ("Time", source), strict=False))
         names = [of_counted.get(index, "") for index in range(width)]
-    if head.line_count and any(cell.strip() for row in body for cell in row[len(names) : width]):
-        raise RecordingError(_too_wide(path, lines[start], separator, len(names)))
+    for (number, _), row in zip(lines[start:], body, strict=True):
+        if head.line_count and any(map(str.strip, row[len(names) : width])):
+            raise too_wide(f"{path}: line {number}", row, len(names), separator)
     count = max(width, len(names))
     if count > _MAX_COLUMNS:
         raise RecordingError(f"{path}: has {count:,} columns; export only those that are needed")
@@ -385,16 +386,13 @@ def _commented_headers(comments: Sequence[str], separator: str, width: int) -> l
     return found if len(found) == width and "=" not in last and not all(map(looks_numeric, found)) else []
 
 
-def _too_wide(path: str, line: Line, separator: str, headers: int) -> str:
-    cells = len(split_lines([line[1].rstrip(separator)], separator)[0])
-    return too_wide(f"{path}: line {line[0]} has {cells} cells for {headers} headers", line[1], separator)
-
-
-def too_wide(beginning: str, text: str, separator: str) -> str:
-    """Return the message about a line with more cells than there are headers."""
-    if separator == "," and "." not in text:
-        return f"{beginning}; with decimal commas separate the columns with semicolons"
-    return f"{beginning}; name every column, or put cells with {SEPARATOR_WORDS[separator]} in quotes"
+def too_wide(where: str, row: Sequence[str], width: int, separator: str) -> RecordingError:
+    """Return the error about a row with more cells than there are headers."""
+    count = max(index for index, cell in enumerate(row, start=1) if cell.strip())
+    said = f"{where} has {count} cells for {width} headers"
+    if separator == "," and "." not in "".join(row):
+        return RecordingError(f"{said}; with decimal commas separate the columns with semicolons")
+    return RecordingError(f"{said}; name every column, or put cells with {SEPARATOR_WORDS[separator]} in quotes")
 
 
 def _metadata_of(rows: Sequence[Sequence[str]], separator: str) -> dict[str, MetadataValue]:

@@ -128,10 +128,15 @@ class TextTable:
             end += 1
         chosen = [place for place in range(end) if kinds[place] in ("row", "damaged")]
         numbers = [lines[place][0] for place in chosen]
+        width = len(self.text_layout.headers)
+        for place in chosen:
+            if any(map(str.strip, rows[place][width:])):
+                where = f"{self.path}: {self.row_word} {lines[place][0]}"
+                raise too_wide(where, rows[place], width, self.text_layout.separator)
         if chosen:
             others = tuple(lines[place] for place in range(end) if kinds[place] == "words")
             words: dict[tuple[int, int], str] = {}
-            values = self._values(numbers, [rows[place] for place in chosen], indices, words)
+            values = tuple(self._cells(index, [rows[place] for place in chosen], numbers, words) for index in indices)
             headers = [place for place in range(end) if lines[place][1] in self.text_layout.header_lines]
             again = tuple(dict.fromkeys(int(np.searchsorted(chosen, place)) for place in headers))
             yield RowBlock(values, self._place(numbers), len(chosen), others, words=words, again=again)
@@ -188,16 +193,6 @@ class TextTable:
         except ValueError:
             return None
         return tuple(found) if found.shape == (len(source), len(texts)) else None
-
-    def _values(
-        self, numbers: Sequence[int], rows: list[list[str]], indices: Sequence[int], words: dict[tuple[int, int], str]
-    ) -> tuple[Cells, ...]:
-        width = len(self.text_layout.headers)
-        for number, row in zip(numbers, rows, strict=True):
-            if len(row) > width and any(cell.strip() for cell in row[width:]):
-                beginning = f"{self.path}: {self.row_word} {number} has {len(row)} cells for {width} headers"
-                raise RecordingError(too_wide(beginning, ",".join(row), self.text_layout.separator))
-        return tuple(self._cells(index, rows, numbers, words) for index in indices)
 
     def _cells(
         self, index: int, rows: Sequence[Sequence[str]], numbers: Sequence[int], words: dict[tuple[int, int], str]
