@@ -15,19 +15,7 @@ from tests.command_line import CommandLine
 
 from musclewire.errors import CallerError
 from musclewire.extras.live import LiveClient
-from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
-from musclewire.extras.live._server.access import own_token
-from musclewire.extras.live._server.running import ListenAddress, running
 from musclewire.rigs import state_folder
-
-
-def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
-    assert identifiers(["simulated", "benches/my bench.toml", "simulated", "ä.toml"]) == [
-        "simulated",
-        "my-bench",
-        "simulated-2",
-        "rig",
-    ]
 
 
 @pytest.mark.parametrize(
@@ -50,20 +38,6 @@ def test_what_cannot_be_served_is_one_line(
     assert said in answer.err
     assert len(answer.err.strip().splitlines()) == 1
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
-
-
-@pytest.mark.parametrize("named", [True, False])
-def test_the_token_is_printed_once_and_not_at_all_if_its_file_was_named(
-    named: bool, capsys: pytest.CaptureFixture[str]
-) -> None:
-    token = "a-token-of-the-tests-0123456789"
-    address = ListenAddress("0.0.0.0", 8765)
-    announce(running(address, token), AddressOptions(address.host, 8765, Path("my-token") if named else None))
-    printed = capsys.readouterr()
-    assert printed.out.startswith(address.url)
-    assert printed.out.count(token) == (0 if named else 1)
-    assert token not in printed.err
-    assert ("the token of my-token" in printed.err) is named
 
 
 @pytest.mark.parametrize(
@@ -106,16 +80,16 @@ def test_beyond_loopback_the_link_has_a_token_and_nothing_is_shown_without_it(tm
 @pytest.mark.slow
 def test_on_loopback_the_token_is_the_users_own_which_programs_find_and_others_cannot_read(tmp_path: Path) -> None:
     with running_server(tmp_path) as server:
-        assert server.token == own_token()
+        kept = state_folder() / "live_token"
+        assert server.token == kept.read_text()
         with httpx.Client(trust_env=False) as http:
             assert http.post(f"{server.url}api/v1/benches/simulated/stop").status_code == 401
         with LiveClient(server.url) as client:
             assert client.state()["bench"] == "simulated"
-    kept = state_folder() / "live_token"
-    assert stat.S_IMODE(kept.stat().st_mode) == 0o600
-    kept.chmod(0o640)
-    with pytest.raises(CallerError, match="can be read by others"):
-        own_token()
+        assert stat.S_IMODE(kept.stat().st_mode) == 0o600
+        kept.chmod(0o640)
+        with pytest.raises(CallerError, match="can be read by others"):
+            LiveClient(server.url)
 
 
 @pytest.mark.slow

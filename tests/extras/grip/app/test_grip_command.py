@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from tests.command_line import CommandLine
 
-from musclewire.extras.grip import GripperKnowledge
 from musclewire.files import read_recording
 
 
@@ -37,27 +36,6 @@ def test_with_the_object_away_nothing_is_found_and_the_exit_code_says_so(
     answer = musclewire("grip", "--no-object", "--learned", learned)
     assert answer.code == 1
     assert "no contact" in answer.out
-
-
-@pytest.mark.slow
-@pytest.mark.xfail(
-    strict=True,
-    reason="fitted holding power dips by some 4 %, from 0.338 W at normalised 0.8 to 0.324 W at 0.5, before it rises: "
-    "the early grains take power where the closing has hardly begun, and closings of seconds leave it to a cubic",
-)
-def test_the_figure_shows_holding_power_that_rises_and_the_target_by_name(knowledge: GripperKnowledge) -> None:
-    from musclewire.extras.grip import grip
-    from musclewire.extras.grip._grip_figure import plot_grip
-    from musclewire.rigs import open_rig
-
-    with open_rig("gripper", seed=1) as rig:
-        by_time = plot_grip(grip(rig, knowledge, stiffness_n_per_m=200.0), knowledge)
-    by_place = by_time.figure.axes[0]
-    (free,) = (line for line in by_place.get_lines() if line.get_label() == "holds free fingers there")
-    # The axis is inverted: closing is towards smaller resistance, and a tighter closing takes more to hold.
-    assert all(after < before for before, after in zip(free.get_ydata()[:-1], free.get_ydata()[1:], strict=True))
-    assert "target, 0.3 N" in [text.get_text() for text in by_time.get_legend().get_texts()]
-    assert not by_time.texts
 
 
 def test_another_object_may_be_put_in(musclewire: CommandLine, learned: Path) -> None:

@@ -9,7 +9,6 @@ import pytest
 from musclewire.controllers import Event
 from musclewire.errors import CallerError
 from musclewire.extras.instruments import SimulatedFaults
-from musclewire.extras.instruments._faults import OLD_KINDS
 from musclewire.parameters import validated
 from musclewire.rigs import ProtectionTripError, RigConfiguration, open_rig, uncompiled
 
@@ -102,7 +101,13 @@ def test_each_fault_ends_with_its_cause_and_the_drive_off_within_half_a_second(k
     assert sampled * rig.sample_period_s < began_s + 0.5
 
 
-@pytest.mark.parametrize(("old", "new"), OLD_KINDS.items())
+# What older rig files call a fault, in the order of CAUSES.
+OLD_KINDS = ("broken wire", "short circuit", "contact", "slipped clamp", "frozen channel", "saturated channel",
+             "swapped channels", "reading not finite", "output stuck", "supply lost", "device lost",
+             "clock jump")  # fmt: skip
+
+
+@pytest.mark.parametrize(("old", "new"), list(zip(OLD_KINDS, CAUSES, strict=True)))
 def test_a_rig_file_with_a_faults_old_name_still_reads(old: str, new: str) -> None:
     assert RigConfiguration(fault=[{"kind": old}]) == RigConfiguration(fault=[{"kind": new}])  # type: ignore[list-item]
     left = [

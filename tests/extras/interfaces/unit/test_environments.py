@@ -8,16 +8,10 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from musclewire.controllers import Event, Protection
 from musclewire.errors import CallerError, NumericsError
 from musclewire.experiment import characterize
-from musclewire.extras.interfaces import ENVIRONMENT, WireVectorEnv, simulated_wire
-from musclewire.extras.interfaces._environments import WireEnv
-from musclewire.extras.interfaces._environments.kernels import ENDS, MEMORY, drive_lanes, read_lanes
-from musclewire.extras.interfaces._environments.vector import facts_of
+from musclewire.extras.interfaces import ENVIRONMENT, WireVectorEnv
 from musclewire.identify import fit
 from musclewire.rigs import RigConfiguration, open_rig
 from musclewire.sensing import ESTIMATORS, EstimatorSetup, SensingModel
@@ -32,6 +26,11 @@ QUIET = {
     "time_step_s": 0.01,
 }
 SHORT = {"hold_s": 0.5, "approach_s": 0.5, "increments": 2}
+
+
+def wire_env(rig: Any = "simulated", **options: Any) -> Any:
+    """Return the single environment, as the registry makes it and without Gymnasium's wrappers."""
+    return gymnasium.make(ENVIRONMENT, rig=rig, **options).unwrapped
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +58,7 @@ def test_an_estimate_on_either_branch_is_in_the_space(part: float, model: Sensin
     """A filter that knows the branch is at its end beyond the range of the mean curve."""
     ends_ohm = np.array(model.valid_resistance_ohm)
     on_branch = part * model.strain_heating(ends_ohm) + (1.0 - part) * model.strain_cooling(ends_ohm)
-    env = WireEnv(episode=SHORT, model=model)
+    env = wire_env(episode=SHORT, model=model)
     env.reset(seed=1)
     low, high = env.observation_space.low[5], env.observation_space.high[5]
     assert (on_branch >= low).all()
@@ -67,14 +66,14 @@ def test_an_estimate_on_either_branch_is_in_the_space(part: float, model: Sensin
 
 
 def test_the_registry_makes_both_kinds() -> None:
-    assert isinstance(gymnasium.make(ENVIRONMENT).unwrapped, WireEnv)
     assert isinstance(gymnasium.make_vec(ENVIRONMENT, num_envs=2), WireVectorEnv)
-    assert isinstance(gymnasium.make_vec(ENVIRONMENT, num_envs=2, vectorization_mode="sync").envs[0].unwrapped, WireEnv)
+    synchronous = gymnasium.make_vec(ENVIRONMENT, num_envs=2, vectorization_mode="sync")
+    assert type(synchronous.envs[0].unwrapped) is type(wire_env())
 
 
 def test_an_observation_holds_what_a_rig_reads_and_no_more() -> None:
     """The rig itself is the oracle: the same drives give the same voltages."""
-    env = WireEnv(episode=SHORT)
+    env = wire_env(episode=SHORT)
     observed, _ = env.reset(seed=3)
     with open_rig("simulated", seed=int(np.random.Generator(np.random.PCG64(3)).integers(2**31))) as rig:
         sample = rig.exchange(rig.sense_voltage_v)
@@ -94,7 +93,7 @@ def test_an_observation_holds_what_a_rig_reads_and_no_more() -> None:
 
 @pytest.mark.parametrize("estimator", [None, "polynomial"])
 def test_a_wire_in_the_vector_is_the_wire_of_the_single_environment(model: SensingModel, estimator: str | None) -> None:
-    single = WireEnv(episode=SHORT, model=model, estimator=estimator, **QUIET)
+    single = wire_env(episode=SHORT, model=model, estimator=estimator, **QUIET)
     vector = WireVectorEnv(3, episode=SHORT, model=model, estimator=estimator, **QUIET)
     alone, _ = single.reset(seed=1)
     together, _ = vector.reset(seed=2)
@@ -123,7 +122,7 @@ def test_the_vectors_noise_is_that_of_the_rigs_instruments() -> None:
     count = 400
     vector = WireVectorEnv(count, episode=SHORT)
     many = vector.reset(seed=5)[0]
-    single = [WireEnv(episode=SHORT).reset(seed=seed)[0] for seed in range(count)]
+    single = [wire_env(episode=SHORT).reset(seed=seed)[0] for seed in range(count)]
     for column in (0, 1):
         ours, theirs = many[:, column], np.array(single)[:, column]
         assert ours.mean() == pytest.approx(theirs.mean(), abs=4 * theirs.std() * (2 / count) ** 0.5)
@@ -184,7 +183,7 @@ def test_the_protection_ends_an_episode_in_both_at_the_same_sample() -> None:
     limits = {"maximum_voltage": "3.3 V", "limits": {"maximum_temperature": "60 degC"}}
     configuration = RigConfiguration.model_validate(limits)
     single, vector = (
-        WireEnv(configuration, episode=SHORT, **QUIET),
+        wire_env(configuration, episode=SHORT, **QUIET),
         WireVectorEnv(1, configuration, episode=SHORT, **QUIET),
     )
     single.reset(seed=1)
@@ -206,41 +205,6 @@ def test_the_protection_ends_an_episode_in_both_at_the_same_sample() -> None:
         single.step(np.ones(1))
 
 
-READINGS = st.lists(st.tuples(st.floats(0.3, 3.6), st.floats(-0.2, 1.3), st.floats(-0.1, 2.0)), min_size=1, max_size=12)
-
-
-@settings(max_examples=200)
-@given(READINGS, st.floats(300.0, 400.0), st.floats(0.01, 0.5))
-def test_the_protection_of_many_is_that_of_every_rig(
-    readings: list[tuple[float, float, float]], hottest_k: float, jump_share: float
-) -> None:
-    """Readings of any circuit, also of one without supply or current, in two lanes of which one stays sound."""
-    wire = simulated_wire("simulated")
-    limits = wire.limits._replace(maximum_temperature_k=hottest_k, jump_share=jump_share)
-    facts, memory = np.repeat(facts_of(wire), 2), np.zeros(2, MEMORY)
-    facts["acquisition_noise_v"] = facts["displacement_noise_m"] = 0.0
-    facts["acquisition_step_v"] = 1e-12
-    both = [Protection(limits), Protection(wire.limits)]
-    rules, rows = (np.concatenate([getattr(one, name) for one in both]) for name in ("rules", "row"))
-    single, span_v = both[0], limits.maximum_voltage_v - limits.sense_voltage_v
-    for drive_v, wire_factor, shunt_v in readings:
-        drives = np.empty(2)
-        actions = 2.0 * (np.array([drive_v, 1.0]) - limits.sense_voltage_v) / span_v - 1.0
-        drive_lanes(facts, rules, rows, memory, actions, drives)
-        step_v = facts["amplifier_resolution_v"][0]
-        allowed_v, _ = single.command(min(step_v * round(drive_v / step_v), limits.maximum_voltage_v))
-        assert drives == pytest.approx([allowed_v, step_v * round(1.0 / step_v)], abs=1e-12)
-        means = np.array([[wire_factor * drive_v, 0.944], [shunt_v, 0.056], [0.0, 0.0]])
-        ends = np.zeros(2, ENDS)
-        read_lanes(facts, rules, rows, memory, 1, means, ends)
-        single.reading(drives[0], ends["wire_voltage_v"][0], ends["shunt_voltage_v"][0], 0.05)
-        state = single.state
-        assert ends["event"].tolist() == [state.event if single.tripped else Event.NONE, Event.NONE]
-        assert rows["temperature_k"][0] == state.temperature_k
-        if single.tripped:
-            break
-
-
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
@@ -254,7 +218,7 @@ def test_what_the_vector_cannot_simulate_is_refused_in_one_line(changes: dict[st
         WireVectorEnv(**{"num_envs": 1, **changes})
 
 
-@pytest.mark.parametrize("make", [WireEnv, WireVectorEnv])
+@pytest.mark.parametrize("make", [wire_env, WireVectorEnv])
 def test_a_step_without_a_reset_a_wrong_action_and_an_unknown_option_are_refused_in_one_line(make: Any) -> None:
     env = make(episode=SHORT)
     with pytest.raises(CallerError, match="call reset"):

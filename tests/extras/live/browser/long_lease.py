@@ -16,6 +16,7 @@ from musclewire.extras.live._bench_handle import BenchHandle
 from musclewire.extras.live._silence import LEASE_S
 
 LONG_LEASE_S = 4.0 * LEASE_S
+LONGER_BY_S = LONG_LEASE_S - LEASE_S
 handles_of = _serve_command.handles_of
 
 

@@ -12,17 +12,16 @@ from typing import Any
 import pytest
 from tests.browser.chromium import started
 from tests.extras.live.browser.cable import cable_to
-from tests.extras.live.browser.long_lease import LONG_LEASE_S
+from tests.extras.live.browser.long_lease import LONGER_BY_S
 from tests.extras.live.browser.opened import follow_slider, opened, switch_on
 from tests.extras.live.browser.served import Served, serving, until
 
 import musclewire as mw
-from musclewire.extras.live._silence import LEASE_S
 
 # With a user's lease; the bar, 1 s, is that of benchmarks/live_page.py --stop.
 MAX_SAFE_S = 3.0
 # Where only the lease ends a run, and it is the longer one of tests.
-MAX_SAFE_LATE_S = MAX_SAFE_S - LEASE_S + LONG_LEASE_S
+MAX_SAFE_LATE_S = MAX_SAFE_S + LONGER_BY_S
 FREEZE = "setTimeout(() => { const end = performance.now() + 6000; while (performance.now() < end); }, 0)"
 
 

@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import stat
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.extras.live._server.access import Access, is_loopback, name_in_host, new_token
+from musclewire.errors import CallerError
+from musclewire.extras.live._serve_command import AddressOptions, announce, identifiers
+from musclewire.extras.live._server.access import Access, is_loopback, name_in_host, new_token, read_token
 from musclewire.extras.live._server.connections import Connections, Turns
 from musclewire.extras.live._server.gate import Gate
+from musclewire.extras.live._server.running import ListenAddress, ServerSettings, running
 
+TOKEN = "a-token-of-the-tests-0123456789"
 LOCAL = Access()
 ABROAD = Access("a-token-of-the-test-0123", frozenset({"bench.lab"}), any_address=True)
 
@@ -122,3 +129,48 @@ def test_tokens_are_long_and_different() -> None:
     tokens = {new_token() for _ in range(100)}
     assert len(tokens) == 100
     assert min(len(token) for token in tokens) >= 43  # 256 bits in base 64
+
+
+def test_by_default_a_server_listens_on_loopback_and_beyond_it_a_token_is_needed(tmp_path: Path) -> None:
+    assert ServerSettings(tmp_path).address.is_local
+    with pytest.raises(CallerError, match="a token is needed"):
+        ServerSettings(tmp_path, ListenAddress("0.0.0.0"))
+
+
+def test_a_token_file_is_for_its_owner_only_and_holds_one_long_token(tmp_path: Path) -> None:
+    path = tmp_path / "token"
+    path.write_text(TOKEN + "\n")
+    path.chmod(0o600)
+    assert read_token(path) == TOKEN
+    path.chmod(stat.S_IRUSR | stat.S_IROTH)
+    with pytest.raises(CallerError, match="chmod 600"):
+        read_token(path)
+    path.chmod(0o600)
+    for text in ("short", "two tokens of some length", "x" * 600, ""):
+        path.write_text(text)
+        with pytest.raises(CallerError, match="needs one token"):
+            read_token(path)
+    with pytest.raises(CallerError, match="cannot be read"):
+        read_token(tmp_path / "none")
+
+
+def test_each_rig_has_a_name_of_its_own_that_fits_into_addresses() -> None:
+    assert identifiers(["simulated", "benches/my bench.toml", "simulated", "ä.toml"]) == [
+        "simulated",
+        "my-bench",
+        "simulated-2",
+        "rig",
+    ]
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_the_token_is_printed_once_and_not_at_all_if_its_file_was_named(
+    named: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    address = ListenAddress("0.0.0.0", 8765)
+    announce(running(address, TOKEN), AddressOptions(address.host, 8765, Path("my-token") if named else None))
+    printed = capsys.readouterr()
+    assert printed.out.startswith(address.url)
+    assert printed.out.count(TOKEN) == (0 if named else 1)
+    assert TOKEN not in printed.err
+    assert ("the token of my-token" in printed.err) is named
