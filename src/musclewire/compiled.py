@@ -122,10 +122,7 @@ def cache_root() -> Path:
 
 @cache
 def cache_folder(part: str | None = None) -> str | None:
-    """Return this version's kernel folder, or None if nothing can be written (compiling still works).
-
-    A part outside the core has folders of its own, so that the core's cache stays when the part is edited or deleted.
-    """
+    """Return this version's kernel folder, apart for each part outside the core; None if nothing can be written."""
     folder = cache_root() / (kernel_source_hash() if part is None else part_source_hash(part))
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -33,10 +33,7 @@ BEYOND = "beyond_catalogue"
 
 
 def flat(function: Callable[..., Result | None], called: str) -> Callable[..., None]:
-    """Return the function with the fields of its dataclasses as parameters of their own, as typer reads them.
-
-    One that returns its result has the option --json, too, and the result is printed here.
-    """
+    """Return the function as typer reads it: with its dataclasses' fields as parameters, and --json for a result."""
     signature = inspect.signature(function, eval_str=True)
     answers = signature.return_annotation is Result
     groups = {name: groups_of(one.annotation) for name, one in signature.parameters.items()}

@@ -37,10 +37,7 @@ FRACTIONS = np.linspace(0.2, 1.0, 17)
 
 
 def still_air_b_power_w(rig: Rig) -> float | None:
-    """Return the power [W] with which a rig's wire passes B in still air, by alloy and tension; None if not known.
-
-    There martensite and austenite are in balance: at B the first grains have turned.
-    """
+    """Return the power [W] at which a wire passes B in still air, where its first grains turn; None if not known."""
     facts, limits = rig.metadata(), rig.protection_limits
     name, force_n = facts.get("wire"), facts.get("pretension_n")
     try:

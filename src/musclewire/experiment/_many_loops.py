@@ -324,10 +324,7 @@ def ticks_of(prepared: PreparedLoop, first_drive_v: float) -> LoopTicks:
 
 
 def run_of(rig: GuardedRig, loop: CompiledLoop) -> CompiledRun | None:
-    """Return a compiled loop on a rig and the cooling after it; None if something unusual happens, which needs Python.
-
-    From each correction on it goes on by the model of today.
-    """
+    """Return a compiled loop and its cooling, by today's model after each correction; None if Python has to run it."""
     samples = loop.targets.shape[1]
     correction = loop.prepared.correction_of()
     parts: list[dict[str, FloatArray]] = []

@@ -53,10 +53,7 @@ class MinorLoopTurns(NamedTuple):
 
 
 def turns_after(recording: Recording, period_s: float, fall: float) -> MinorLoopTurns | None:
-    """Return where a minor loop after a slow sine turns; None if the resistance does not fall by this part of itself.
-
-    Nor is there one where the last cycle does not come back to a third of it.
-    """
+    """Return where a minor loop after a slow sine turns; None if resistance falls too little, or does not come back."""
     time_s = recording["time_s"]
     begun_s = float(time_s[-1]) - period_s
     try:

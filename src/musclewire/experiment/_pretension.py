@@ -195,9 +195,9 @@ def limit_n_of(facts: Mapping[str, MetadataValue]) -> float | None:
 
 
 def largest_in_motion_n(rows: Sequence[PretensionRow], limit_n: float | None) -> float | None:
-    """Return the largest pretension [N] within a limit of the pull in motion, from the loop nearest to the limit.
+    """Return the largest pretension [N] within a limit of the pull in motion, None if unknown.
 
-    What a load adds while the wire contracts hardly depends on the pretension. None if nothing is known of either.
+    What a load adds while the wire contracts hardly depends on the pretension: the nearest loop shows it.
     """
     pulls = [(row.pretension_n, row.largest_force_n) for row in rows if row.largest_force_n is not None]
     if limit_n is None or not pulls:

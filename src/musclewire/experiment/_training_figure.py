@@ -13,10 +13,9 @@ if TYPE_CHECKING:
 
 
 def training_figure(training: Training, *, settled_fraction: float = SETTLED_FRACTION, style: str = "screen") -> Figure:
-    """Draw how far resistance and strain have moved since the first cycle, and the change over five cycles.
+    """Draw how far resistance and strain have moved since the first cycle, and the change over five cycles, if any.
 
-    ``settled_fraction`` is drawn as a line. A training of five cycles or fewer has no change to draw. Raises
-    CallerError for an unknown style; the message suggests the nearest.
+    ``settled_fraction`` is drawn as a line. Raises CallerError for an unknown style.
     """
     from matplotlib.ticker import MaxNLocator
 

@@ -127,10 +127,7 @@ def _correlations(one: FloatArray, other: FloatArray) -> tuple[FloatArray, Float
 def steady_deviations(
     first: Recording, second: Recording, pair: tuple[str, str], found: Delay
 ) -> tuple[float, float, str]:
-    """Return the standard deviations of delay and rate by the delays of both halves, and these in words.
-
-    Raises RecordingError for a drift that both halves and the whole show, and that moves events to other samples.
-    """
+    """Return deviations of delay and rate by both halves, also in words. Raises RecordingError for a drift."""
     low_s = max(first["time_s"][0], second["time_s"][0] - found.delay_s)
     half_s = 0.5 * (min(first["time_s"][-1], second["time_s"][-1] - found.delay_s) - low_s)
     halves = [

@@ -292,10 +292,7 @@ def fit_arrays(
 def power_loop(
     recording: Recording, reading: ArrayReading, measured: FloatArray, cycle: int | str, quantity: str
 ) -> tuple[tuple[float, float, float], ...]:
-    """Return time [s], power [W] and resistance [ohm] through the fitted loop, as means; none without power.
-
-    The loop begins and ends with the wire cold, a fifth of its own length before and after points A.
-    """
+    """Return time [s], power [W] and resistance [ohm] of the fitted loop and a fifth around it; none without power."""
     if not has_power(recording):
         return ()
     loop = find_segments(reading.resistance_ohm, measured, reading.valid, cycle, quantity)

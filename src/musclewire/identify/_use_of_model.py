@@ -120,10 +120,7 @@ def require_ohms(model: SensingModel) -> None:
 
 
 def other_load(model: SensingModel, known: Mapping[str, MetadataValue]) -> str:
-    """Return in words how the load that a rig states differs from that of the characterization; "" if it does not.
-
-    A model reads the strain of its own load: with another one it is wrong, though every estimate looks sound.
-    """
+    """Return in words how a rig's load differs from the characterization's, for which alone a model holds; else ""."""
     fitted, stated = RunFacts(model.wire, "this model"), RunFacts(known, "this rig")
     for key, (what, unit) in STATED_LOAD.items():
         was, now = fitted.number_or_none(key), stated.number_or_none(key)

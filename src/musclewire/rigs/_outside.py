@@ -44,11 +44,7 @@ def known_kind(kind: str) -> DeviceKind[Any]:
 
 
 def imported_kind(kind: str, folder: Path) -> DeviceKind[Any]:
-    """Return the kind of a plant, its module imported from a rig file's folder or from the installed ones.
-
-    Raises CallerError for a kind of another form, a module or class that is missing or fails, and a class that is no
-    device.
-    """
+    """Return the kind of a plant, from a rig file's folder or installed. Raises CallerError if it is no device."""
     form = FORM.fullmatch(kind)
     if form is None:
         raise CallerError(f"kind '{kind}' is not of the form \"python:module:Class\"")

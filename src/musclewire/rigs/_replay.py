@@ -72,7 +72,7 @@ class ReplayConfiguration(DeviceConfiguration):
 
 
 class ReplayDevice:
-    """Returns a recording's samples in order and heats nothing; a drive only decides whether they still apply."""
+    """Returns a recording's samples in their order; it heats nothing, and a drive decides whether they still apply."""
 
     def __init__(self, configuration: ReplayConfiguration) -> None:
         """Read the recording and its rig's limits. Raises RecordingError if either cannot be read."""

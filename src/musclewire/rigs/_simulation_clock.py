@@ -11,7 +11,7 @@ MAXIMUM_SPEED = 1000.0  # times real time: no machine computes a faster one
 
 
 class SimulationClock:
-    """Paces a simulated rig at a changeable speed; only at real time is a late host reported, as hardware does."""
+    """What paces a simulated rig, at a speed that may change; only at real time is a late host reported."""
 
     def __init__(self, sample_period_s: float) -> None:
         """Pace in real time from the first sample on."""

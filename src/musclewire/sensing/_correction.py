@@ -37,7 +37,7 @@ class Correction(NamedTuple):
         return max(by_scale * by_scale * self.scale_variance + of_zero, 0.0)
 
     def updated(self, missed: float, by_scale: float, by_zero: float, variance: float) -> Correction:
-        """Return the correction after a Kalman update: its prediction missed by so much, within a variance.
+        """Return the correction after a Kalman update: a prediction missed by so much, within a variance.
 
         A change of the scale's logarithm, and one of the zero, change the prediction by ``by_scale`` and ``by_zero``.
         """

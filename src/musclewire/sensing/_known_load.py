@@ -21,7 +21,7 @@ TURNING_M = 85e-6
 
 @dataclass(frozen=True)
 class KnownSpring:
-    """A spring pulled by the wire, and the guide's friction. Raises CallerError for impossible numbers."""
+    """A spring pulled by the wire, and its guide's friction. Raises CallerError for numbers that cannot be."""
 
     stiffness_n_per_m: float
     friction_n: float = 0.0

@@ -97,11 +97,7 @@ def check_order(order: int) -> None:
 
 
 def choose_order(branches: Sequence[FitPoints], max_order: int = 9) -> int:
-    """Return the lowest order for all branches within one standard error of the best by cross-validation.
-
-    Neighbouring samples are correlated, so that blocks of them are left out: leaving out single ones would favour high
-    orders.
-    """
+    """Return the lowest order within one standard error of the best by cross-validation over blocks of samples."""
     smallest = min(points.normalised_resistance.size for points in branches)
     candidates = range(1, max(min(max_order, smallest * (FOLDS - 1) // FOLDS - 1), 1) + 1)
     errors = np.array([np.concatenate([_cross_validation_errors(p, order) for p in branches]) for order in candidates])

@@ -79,7 +79,7 @@ class Half(NamedTuple):
 
 
 def wire_model_of(model: FittedCurve) -> WireModel:
-    """Return a model's wire, from its fit or slow loop. Raises CallerError without a slow loop through B to C."""
+    """Return a model's wire, from its fit or its slow loop. Raises CallerError if there is none from B to C."""
     return model.wire_model if model.wire_model and model.slow_loop else found_wire_model(model)
 
 

@@ -170,10 +170,7 @@ class EvenEndCells(NamedTuple):
 
 
 def cells_with_an_even_end(skew: float, tail: float, kink_quantile: float, early_width: float) -> EvenEndCells:
-    """Return the cells of a table whose early grains lie below the offset of a quantile, the kink.
-
-    The kink ends a cell: the core begins a whole number of cells above it, or at it if that lies within the core.
-    """
+    """Return a table's cells; early grains end at one's end, the core a whole number of cells above it, or there."""
     top_quantile = max(CORE_REACH, kink_quantile + 1.0)
     quantiles = np.array([kink_quantile, -CORE_REACH, top_quantile, max(REACH, top_quantile)])
     kink, bottom, top, end = (float(offset) for offset in signed_power(quantiles, skew, tail))

@@ -55,10 +55,9 @@ def with_table(
     reach_m: float,
     points: int = 2001,
 ) -> ConnectorLoad:
-    """Return a spring with two functions of displacement [m] in addition, tabulated from 0 to ``reach_m``.
+    """Return a spring with two tabulated functions of displacement [m], linear between points up to ``reach_m``.
 
-    The table is interpolated linearly, so that a kink is at most ``reach_m / (points - 1)`` from its place. Raises
-    CallerError if a function does not stay finite, or the reach is not positive.
+    Raises CallerError if a function does not stay finite, or the reach is not positive.
     """
     if not reach_m > 0.0:
         raise CallerError(f"a load's table reaches {reach_m} m: it must reach further than 0")

@@ -156,10 +156,7 @@ def isobaric_path(constants: WireConstants, stress_pa: float, temperature_k: Flo
 
 
 def heated_state(constants: WireConstants, temperature_k: float) -> WireState:
-    """Return a wire on its load, heated from cold, to above the air, so slowly that it is in equilibrium throughout.
-
-    It is on the heating branch of its loop: austenite above the end of the transformation, partly martensite below.
-    """
+    """Return a wire on its load, heated from cold in equilibrium throughout: it is on the heating branch."""
     ambient = constants.ambient_temperature_k
     if not temperature_k > ambient:
         raise CallerError(

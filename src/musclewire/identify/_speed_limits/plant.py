@@ -109,7 +109,7 @@ def plant_of_gains(settings: FeedforwardSettings, facts: RunFacts) -> SpeedPlant
 
 
 def plant_of_model(model: SensingModel, facts: RunFacts) -> SpeedPlant:
-    """Return a model's plant in a rig's circuit. Raises RecordingError without the loop's power or the rig's limits."""
+    """Return a model's plant in a rig's circuit. Raises RecordingError without the loop's power or the limits."""
     try:
         wire = wire_model_of(model)
     except CallerError:
