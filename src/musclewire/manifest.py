@@ -22,18 +22,6 @@ from typing import Any
 from musclewire.errors import CallerError, require_extra
 from musclewire.small_files import read_toml
 
-__all__ = [
-    "Command",
-    "CommandGroup",
-    "Manifest",
-    "absent_part",
-    "folder_of",
-    "loaded",
-    "manifests",
-    "offered",
-    "require_packages_of",
-]
-
 ENTRY_POINTS = "musclewire.extras"
 EXTRAS = Path(__file__).parent / "extras"
 PARTS = Path(__file__).parent / "parts.toml"

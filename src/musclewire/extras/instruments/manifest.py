@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from musclewire.manifest import Manifest
 
-__all__ = ["MANIFEST"]
-
 MANIFEST = Manifest(
     name="instruments",
     rig_keys={

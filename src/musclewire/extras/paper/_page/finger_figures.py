@@ -15,7 +15,9 @@ from musclewire.extras.paper._page.paper_drawing import (
     SHADES,
     SIZE,
     approached_errors_pct,
+    draw_loop,
     one_panel,
+    pretension_legend,
     printed_line,
     ramp,
     readings_text,
@@ -29,10 +31,8 @@ from musclewire.pages import AVERAGE, COOLING, HEATING, PAPER
 from musclewire.parameters import load_finger, read_published
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from musclewire_design import PretensionerDesign
 
-    from musclewire.extras.paper._reproduce.loops import SlowSineLoop
     from musclewire.extras.paper._reproduce.runs import RunCache
 
 # Settings of the sweep whose loops are drawn; the others would lie on top of them.
@@ -136,13 +136,6 @@ def fig15(runs: RunCache) -> Figure:
     return figure
 
 
-def loop_lines(axes: Axes, loop: SlowSineLoop, shade: str, label: str, width: float) -> None:
-    """Draw heating solid and cooling dashed, endpoint over resistance."""
-    for part, dash, text in zip(loop.halves(), ("-", "--"), (label, None), strict=True):
-        axes.plot(loop.resistance_ohm[part], 1e3 * loop.quantity("displacement")[part], dash, color=shade, label=text,
-                  linewidth=width)  # fmt: skip
-
-
 def fig16(runs: RunCache) -> Figure:
     """Draw endpoint displacement over resistance for several pretensions."""
     figure, axes = one_panel()
@@ -152,12 +145,9 @@ def fig16(runs: RunCache) -> Figure:
         label = f"{force:.2f} N: gap {loop.displacement_gap_pct:.2f} %"
         if chosen:
             label += f", paper {read_published('lan_fan_2010')['displacement_gap']['displacement_gap_pct']:.3f} %"
-        loop_lines(axes, loop, shade, label, 2.0 if chosen else 1.0)
+        draw_loop(axes, loop, "displacement", 1e3, (shade, shade), (label, None), linewidth=2.0 if chosen else 1.0)
     axes.set(xlabel="resistance [ohm]", ylabel="endpoint displacement [mm]")
-    legend = axes.legend(title="pretension (solid heating, dashed cooling)", title_fontsize=8.5, fontsize=8.5)
-    for text in legend.get_texts():
-        if "paper" in text.get_text():
-            text.set_color(PAPER)
+    pretension_legend(axes)
     return figure
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from musclewire.experiment import ControlMetrics
+    from musclewire.extras.paper._reproduce.loops import SlowSineLoop
 
 SIZE = (5.6, 4.4)
 SHADES = ("#1f6f8b", "#b87a14", "#5c6670")
@@ -33,6 +34,30 @@ def printed_line(axes: Axes, place: float, text: str, rotation: float = 90.0) ->
     axes.axvline(place, color=PAPER, linewidth=1.0, linestyle=":", zorder=1)
     axes.annotate(text, (place, 1.01), xycoords=("data", "axes fraction"), color=PAPER, fontsize=8.5, rotation=rotation,
                   ha="center", va="bottom")  # fmt: skip
+
+
+def draw_loop(
+    axes: Axes,
+    loop: SlowSineLoop,
+    quantity: str,
+    factor: float,
+    colours: tuple[str, str],
+    labels: tuple[str | None, str | None] = (None, None),
+    **style: Any,
+) -> None:
+    """Draw both halves of a loop's last cycle over resistance, the cooling one dashed where the colours are one."""
+    values = factor * loop.quantity(quantity)
+    dashes = ("-", "--") if colours[0] == colours[1] else ("-", "-")
+    for part, colour, label, dash in zip(loop.halves(), colours, labels, dashes, strict=True):
+        axes.plot(loop.resistance_ohm[part], values[part], color=colour, label=label, linestyle=dash, **style)
+
+
+def pretension_legend(axes: Axes) -> None:
+    """Add the legend of loops over pretension, those that the paper prints in its colour."""
+    legend = axes.legend(title="pretension (solid heating, dashed cooling)", title_fontsize=8.5, fontsize=8.5)
+    for text in legend.get_texts():
+        if "paper" in text.get_text():
+            text.set_color(PAPER)
 
 
 def ramp(count: int) -> Iterable[str]:

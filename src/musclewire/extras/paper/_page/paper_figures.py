@@ -18,7 +18,9 @@ from musclewire.extras.paper._page.paper_drawing import (
     SIZE,
     WHITE_BOX,
     approached_errors_pct,
+    draw_loop,
     one_panel,
+    pretension_legend,
     printed_line,
     ramp,
     readings_text,
@@ -44,7 +46,6 @@ from musclewire.parameters import read_published
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from musclewire.extras.paper._reproduce.loops import SlowSineLoop
     from musclewire.extras.paper._reproduce.runs import RunCache
 
 ZERO_CELSIUS_K = 273.15
@@ -99,22 +100,6 @@ def fig3b(runs: RunCache) -> Figure:
     return figure
 
 
-def draw_loop(
-    axes: Axes,
-    loop: SlowSineLoop,
-    quantity: str,
-    factor: float,
-    colours: tuple[str, str],
-    labels: tuple[str | None, str | None] = (None, None),
-    **style: Any,
-) -> None:
-    """Draw both halves of a loop's last cycle over resistance, the cooling one dashed where the colours are one."""
-    values = factor * loop.quantity(quantity)
-    dashes = ("-", "--") if colours[0] == colours[1] else ("-", "-")
-    for part, colour, label, dash in zip(loop.halves(), colours, labels, dashes, strict=True):
-        axes.plot(loop.resistance_ohm[part], values[part], color=colour, label=label, linestyle=dash, **style)
-
-
 def pretension_figure(runs: RunCache, quantity: str, factor: float, printed: dict[float, float], ylabel: str) -> Figure:
     """Draw loops of the 125 um wire over pretension; ``printed`` are the paper's gaps by pretension."""
     figure, axes = one_panel()
@@ -128,10 +113,7 @@ def pretension_figure(runs: RunCache, quantity: str, factor: float, printed: dic
         draw_loop(axes, loop, quantity, factor, (colour, colour), (label, None),
                   linewidth=2.0 if force in printed else 1.0)  # fmt: skip
     axes.set(xlabel="resistance [ohm]", ylabel=ylabel)
-    legend = axes.legend(title="pretension (solid heating, dashed cooling)", title_fontsize=8.5, fontsize=8.5)
-    for text in legend.get_texts():
-        if "paper" in text.get_text():
-            text.set_color(PAPER)
+    pretension_legend(axes)
     return figure
 
 
