@@ -43,7 +43,7 @@ def test_a_drawn_path_is_followed_for_an_hour_and_one_that_heats_for_longer_is_r
         with pytest.raises(CallerError):
             reference_of(path, model, 0.5)
         return
-    reference = reference_of(path, model, 0.5).reference
+    reference = reference_of(path, model, 0.5)
     assert reference.duration_s == pytest.approx(duration_s, abs=0.5)
     assert [reference.target_at(share * duration_s) for share in (0.0, 0.5)] == pytest.approx([0.0, 0.01], abs=1e-4)
 

@@ -46,25 +46,17 @@ from musclewire.signals import COLUMN_SUFFIX, Recording
 MAX_DURATION_S = 3600.0
 
 
-class FollowedReference(NamedTuple):
-    """A reference, and the same one if it is steered."""
-
-    reference: Reference
-    steered: SteeredReference | None = None
-
-
-def reference_of(asked: object, model: SensingModel, sample_period_s: float) -> FollowedReference:
+def reference_of(asked: object, model: SensingModel, sample_period_s: float) -> Reference:
     """Return the reference of a command, in the model's quantity. Raises CallerError for an impossible one."""
     if isinstance(asked, messages.Steer):
         low, high = model.quantity_min, model.quantity_max
-        steered = SteeredReference(0.5 * (low + high) if asked.start is None else asked.start, lowest=low, highest=high)
-        return FollowedReference(steered, steered)
+        return SteeredReference(0.5 * (low + high) if asked.start is None else asked.start, lowest=low, highest=high)
     if isinstance(asked, messages.Steps):
-        return FollowedReference(staircase_of(asked, model))
+        return staircase_of(asked, model)
     if isinstance(asked, messages.Sine):
-        return FollowedReference(sine_of(asked, sample_period_s))
+        return sine_of(asked, sample_period_s)
     assert isinstance(asked, messages.DrawnPath)
-    return FollowedReference(path_of(asked, sample_period_s))
+    return path_of(asked, sample_period_s)
 
 
 def staircase_of(asked: messages.Steps, model: SensingModel) -> Reference:
@@ -244,9 +236,9 @@ def choose_pretension(session: BenchSession, command: messages.ChoosePretension)
 def control_wire(session: BenchSession, command: messages.Control) -> None:
     """Close the loop; a steered target moves until the run is ended."""
     rig, model = rig_of(session), model_of(session)
-    followed = reference_of(command.reference, model, rig.sample_period_s)
-    session.work.steered = followed.steered
-    approach_s = approach_of(command, followed, model, rig.sample_period_s)
+    reference = reference_of(command.reference, model, rig.sample_period_s)
+    steered = session.work.steered = reference if isinstance(reference, SteeredReference) else None
+    approach_s = approach_of(command, reference, model, rig.sample_period_s)
     watch = MissWatch(COLUMN_SUFFIX[model.quantity], model.quantity_max - model.quantity_min, approach_s)
 
     def show(row: Mapping[str, float | None]) -> None:
@@ -260,7 +252,7 @@ def control_wire(session: BenchSession, command: messages.Control) -> None:
         run = control(
             rig,
             model,
-            followed.reference,
+            reference,
             estimator=command.estimator,
             controller=command.controller,
             settings=settings_of(command),
@@ -272,7 +264,7 @@ def control_wire(session: BenchSession, command: messages.Control) -> None:
     finally:
         session.work.steered = None
     # A steered loop begins cold and has no step of its own to judge: an error of the whole run would say nothing.
-    metrics = None if followed.steered else described_metrics(run.metrics)
+    metrics = None if steered else described_metrics(run.metrics)
     moved = {"metrics": metrics, "health": str(run.metadata.get("health", ""))}
     session.shown.done("moved", **moved)
     session.shown.say("warning", *run_warnings(run))
@@ -304,18 +296,17 @@ def control_s(session: BenchSession, command: messages.Control) -> float | None:
     """Return how long a closed loop will take; None if it is steered."""
     if session.work.model is None or session.rig is None:
         return None
-    followed: FollowedReference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
-    approach_s = approach_of(command, followed, session.work.model, session.rig.sample_period_s)
-    duration_s = approach_s + followed.reference.duration_s
-    return None if followed.steered else duration_s + cooling_time_s(session.rig, session.work.model, duration_s)
+    reference = reference_of(command.reference, session.work.model, session.rig.sample_period_s)
+    approach_s = approach_of(command, reference, session.work.model, session.rig.sample_period_s)
+    duration_s = approach_s + reference.duration_s
+    steered = isinstance(reference, SteeredReference)
+    return None if steered else duration_s + cooling_time_s(session.rig, session.work.model, duration_s)
 
 
-def approach_of(
-    command: messages.Control, followed: FollowedReference, model: SensingModel, sample_period_s: float
-) -> float:
+def approach_of(command: messages.Control, reference: Reference, model: SensingModel, sample_period_s: float) -> float:
     """Return for how long [s] a loop holds its first target before the reference begins; a steered one does not."""
     choice = LoopChoice(controller=command.controller, settings=settings_of(command))
-    return 0.0 if followed.steered else choice.settled(model, sample_period_s).approach_s
+    return 0.0 if isinstance(reference, SteeredReference) else choice.settled(model, sample_period_s).approach_s
 
 
 RECIPES: dict[type, CommandRecipe] = {

@@ -14,15 +14,13 @@ from musclewire.experiment import elapsed
 from musclewire.extras.paper._page.paper_drawing import (
     SHADES,
     SIZE,
-    approached_errors_pct,
     draw_loop,
+    error_bars,
     one_panel,
     pretension_legend,
     printed_line,
     ramp,
-    readings_text,
 )
-from musclewire.extras.paper._reproduce.all_checks import tolerance_of
 from musclewire.extras.paper._reproduce.designed_parts import paper_pretensioner, schemes_of_fig13
 from musclewire.extras.paper._reproduce.finger_runs import COMMON_WIRE, FINGER_WIRE, pretension_n
 from musclewire.extras.paper._reproduce.finger_sweep import SWEEP_N, gaps_over_pretension
@@ -190,23 +188,12 @@ def fig18(runs: RunCache) -> Figure:
 
 def table3(runs: RunCache) -> Figure:
     """Draw the MAE of each step of the finger's staircase next to the paper's."""
-    figure = Figure(figsize=SIZE, layout="constrained")
-    axes = figure.subplots()
-    table, metrics = read_published("lan_fan_2010")["table3"], runs.finger.control_run.metrics
-    steps = metrics.steps
-    printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 5.5 mm
-    places = np.arange(len(steps))
-    axes.bar(
-        places, approached_errors_pct(metrics), width=0.55, color=COOLING, alpha=0.45, label=readings_text(metrics)
-    )
-    axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
-              label="paper, Table 3")  # fmt: skip
-    axes.plot(places, np.add(printed, tolerance_of("table3.mae_rise_pct")), "_", color=PAPER, markersize=14,
-              label="allowed to each step")  # fmt: skip
-    axes.set(ylabel="MAE [% of target]", xlabel="step: endpoint displacement [mm], up and back")
-    axes.set_xticks(places, [f"{1e3 * step.target:.1f}" for step in steps])
+    figure, axes = one_panel()
+    metrics = runs.finger.control_run.metrics
+    error_bars(axes, metrics, 3)
+    axes.set_xlabel("step: endpoint displacement [mm], up and back")
+    axes.set_xticks(range(len(metrics.steps)), [f"{1e3 * step.target:.1f}" for step in metrics.steps])
     axes.set_ylim(0.0, 1.15 * axes.get_ylim()[1])
-    axes.grid(visible=False, axis="x")
     axes.legend(fontsize=8.5)
     return figure
 

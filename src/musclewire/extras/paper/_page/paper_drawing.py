@@ -10,7 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from musclewire.experiment import APPROACHED, FROM_FIRST_TARGET, determined
-from musclewire.pages import PAPER
+from musclewire.extras.paper._reproduce.all_checks import tolerance_of
+from musclewire.pages import COOLING, PAPER
+from musclewire.parameters import read_published
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -67,9 +69,19 @@ def ramp(count: int) -> Iterable[str]:
     return [to_hex(colour) for colour in mpl.colormaps["YlGnBu"](np.linspace(0.35, 1.0, count))]
 
 
-def approached_errors_pct(metrics: ControlMetrics) -> list[float]:
-    """Return the MAE of each step after the approach [% of target]."""
-    return [determined(step.mae_approached_pct, "a step's error") for step in metrics.steps]
+def error_bars(axes: Axes, metrics: ControlMetrics, table_number: int) -> None:
+    """Draw the MAE of each step next to that of a table of the paper, whose way back begins below the top."""
+    table = read_published("lan_fan_2010")[f"table{table_number}"]
+    printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]
+    errors_pct = [determined(step.mae_approached_pct, "a step's error") for step in metrics.steps]
+    places = np.arange(len(printed))
+    axes.bar(places, errors_pct, width=0.55, color=COOLING, alpha=0.45, label=readings_text(metrics))
+    axes.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
+              label=f"paper, Table {table_number}")  # fmt: skip
+    axes.plot(places, np.add(printed, tolerance_of(f"table{table_number}.mae_rise_pct")), "_", color=PAPER,
+              markersize=14, label="allowed to each step")  # fmt: skip
+    axes.set_ylabel("MAE [% of target]")
+    axes.grid(visible=False, axis="x")
 
 
 def readings_text(metrics: ControlMetrics) -> str:

@@ -17,13 +17,12 @@ from musclewire.extras.paper._page.paper_drawing import (
     SHADES,
     SIZE,
     WHITE_BOX,
-    approached_errors_pct,
     draw_loop,
+    error_bars,
     one_panel,
     pretension_legend,
     printed_line,
     ramp,
-    readings_text,
 )
 from musclewire.extras.paper._reproduce.all_checks import tolerance_of
 from musclewire.extras.paper._reproduce.measures import rank_correlation
@@ -240,20 +239,10 @@ def table2(runs: RunCache) -> Figure:
             title="Strains of Table 2; shaded: tolerance")  # fmt: skip
     top.legend(fontsize=8.5, loc="lower left", ncols=2)
     metrics = runs.control_run.metrics
-    steps = metrics.steps
-    printed = [*table["mae_rise_pct"], *reversed(table["mae_return_pct"])]  # the way back begins at 2.7 %
-    places = np.arange(len(steps))
-    bottom.bar(
-        places, approached_errors_pct(metrics), width=0.55, color=COOLING, alpha=0.45, label=readings_text(metrics)
-    )
-    bottom.plot(places, printed, "D", color=PAPER, markerfacecolor="none", markersize=7, markeredgewidth=1.5,
-                label="paper, Table 2")  # fmt: skip
-    bottom.plot(places, np.add(printed, tolerance_of("table2.mae_rise_pct")), "_", color=PAPER, markersize=14,
-                label="allowed to each step")  # fmt: skip
-    bottom.set(ylabel="MAE [% of target]", xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")
-    bottom.set_xticks(places, [f"{100 * step.target:.1f}" for step in steps])
+    error_bars(bottom, metrics, 2)
+    bottom.set(xlabel="step: strain [%], up and back", title="Error of each step (Eq. 7)")
+    bottom.set_xticks(range(len(metrics.steps)), [f"{100 * step.target:.1f}" for step in metrics.steps])
     bottom.set_ylim(0.0, 1.4 * bottom.get_ylim()[1])
-    bottom.grid(visible=False, axis="x")
     bottom.legend(fontsize=8.5)
     return figure
 
