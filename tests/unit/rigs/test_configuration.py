@@ -21,7 +21,6 @@ from musclewire.parameters import (
     wire_file_text,
 )
 from musclewire.rigs import GuardedRig, HasTrueState, RigConfiguration, ability, open_rig, read_rig_file, rig_names
-from musclewire.rigs._outside import OutsideConfiguration
 from musclewire.small_files import toml_text
 
 
@@ -209,14 +208,6 @@ def test_whatever_a_rig_file_holds_it_is_read_or_refused_in_plain_words(data: di
     except CallerError as error:
         message = str(error)
     assert "Input should" not in message
-
-
-def test_a_wire_file_named_in_a_plants_rig_file_is_looked_for_next_to_it() -> None:
-    plant = OutsideConfiguration.model_construct(kind="python:plant")
-    by_file = plant.model_copy(update={"wire": "mine.toml"})
-    assert dict(by_file.with_files_in(Path("rigs")))["wire"] == str(Path("rigs/mine.toml"))
-    by_name = plant.model_copy(update={"wire": "paper-100um"})
-    assert by_name.with_files_in(Path("rigs")) is by_name
 
 
 def test_an_object_is_no_rig_and_the_message_says_how_a_device_of_ones_own_becomes_one() -> None:

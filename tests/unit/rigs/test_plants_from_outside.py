@@ -21,7 +21,7 @@ from musclewire.rigs import (
     rig_configuration,
     simulated_configuration,
 )
-from musclewire.rigs._outside import imported
+from musclewire.rigs._outside import OutsideConfiguration, imported
 from musclewire.signals import Recording
 
 NAMES = ("my_plant", "my_failing_plant", "my_other_plant")
@@ -258,3 +258,11 @@ def test_no_recording_imports_a_plant(tmp_path: Path, monkeypatch: pytest.Monkey
         with pytest.raises(mw.MusclewireError), open_rig(tmp_path / "replay.toml") as rig:
             rig.exchange(1.8)
     assert not was_imported(tmp_path)
+
+
+def test_a_wire_file_named_in_a_plants_rig_file_is_looked_for_next_to_it() -> None:
+    plant = OutsideConfiguration.model_construct(kind="python:plant")
+    by_file = plant.model_copy(update={"wire": "mine.toml"})
+    assert dict(by_file.with_files_in(Path("rigs")))["wire"] == str(Path("rigs/mine.toml"))
+    by_name = plant.model_copy(update={"wire": "paper-100um"})
+    assert by_name.with_files_in(Path("rigs")) is by_name

@@ -7,7 +7,7 @@ import itertools
 import pytest
 from tests.unit.rigs.ideal_wire import LIMITS, PERIOD_S, IdealWire
 
-from musclewire.controllers import Event, Protection
+from musclewire.controllers import Event, Protection, protection_table
 from musclewire.rigs import GuardedRig, Missing, ProtectionTripError, _guarded
 from musclewire.rigs._two_clocks import TwoClocks
 from musclewire.signals import RawSample
@@ -197,3 +197,25 @@ def test_pauses_in_which_a_devices_clock_stands_still_are_neither_heat_nor_a_dif
 
 def test_the_hosts_clock_says_nothing_of_a_device_without_a_pace(monkeypatch: pytest.MonkeyPatch) -> None:
     assert held(IdealWire(takes_s=2.0 * PERIOD_S), 1.0, monkeypatch) == (None, "")
+
+
+def test_a_wait_without_end_ends_after_a_second_by_the_hosts_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the device's own clock hardly any time passes, so that the table's times are never over."""
+    waits: list[float] = []
+
+    def wait(number: int, sample: RawSample) -> object:
+        if number < 3:
+            return sample
+        waits.append(1e-9 * len(waits) + 1e-9)
+        return Missing(Event.SAMPLE_LATE, waits[-1])
+
+    monkeypatch.setattr(_guarded, "perf_counter_ns", lambda: 50_000_000 * len(waits) + 1)
+    device = IdealWire(wait)
+    rig = GuardedRig(device)
+    for _ in range(3):
+        rig.exchange(3.0)
+    with pytest.raises(ProtectionTripError) as caught:
+        rig.exchange(3.0)
+    assert caught.value.event is Event.DEVICE_LOST
+    assert protection_table().trip_after_s < 0.05 * len(waits) < 1.2
+    assert device.drive_voltage_v == 0.0

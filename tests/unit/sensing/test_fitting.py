@@ -6,7 +6,6 @@ from loops import Loop, LoopMaker, noisy
 
 from musclewire.errors import CallerError, FitRejectedError, RecordingError
 from musclewire.sensing import HotEnd, SensingModel, find_segments, fit_branches, fit_loop
-from musclewire.sensing._fitting import fit_segments
 
 MAKER = LoopMaker()
 
@@ -80,7 +79,7 @@ def test_a_short_segment_a_to_b_costs_nothing_and_is_no_warning() -> None:
         loop = LoopMaker(a_to_b=share).record()
         segments = find_segments(loop.resistance_ohm, loop.strain)
         assert segments.transformation_fraction > 0.95
-        assert fit_segments(segments).warnings == ()
+        assert fit_loop(loop.resistance_ohm, loop.strain).warnings == ()
 
 
 def test_an_offset_sensor_is_warned_of() -> None:

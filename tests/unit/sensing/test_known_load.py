@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError
 from musclewire.sensing import KnownSpring, PolynomialEstimator, SensingModel, estimates, force_model
-from musclewire.sensing._curve import ResistanceCurve
 from musclewire.signals import WireSample
 
 STRAIN = SensingModel(15.0, 17.0, (0.0352, -0.03), (0.0348, -0.03), 0.0, 1.0, rmse_heating=1e-4)
@@ -39,7 +38,7 @@ def test_a_stiffness_that_cannot_be_is_refused(stiffness: float) -> None:
 
 def forces(spring: KnownSpring, course_n: list[float]) -> list[float]:
     """Return the estimated forces [N] of a wire whose spring is pulled with these, friction included."""
-    curve = ResistanceCurve(15.0, 17.0, (10.0, -10.0), (10.0, -10.0), 0.0, 1.0, quantity="force")
+    curve = SensingModel(15.0, 17.0, (10.0, -10.0), (10.0, -10.0), 0.0, 1.0, quantity="force")
     samples = [WireSample(0.0, 2.0, curve.resistance_ohm(force_n), 1.0) for force_n in course_n]
     found = estimates(PolynomialEstimator(curve, 1.0, spring), samples)
     return [estimate.value - force_n for (estimate, _), force_n in zip(found, course_n, strict=True)]

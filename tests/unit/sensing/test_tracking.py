@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from musclewire.sensing import PolynomialEstimator, estimates, segment_course
-from musclewire.sensing._curve import ResistanceCurve
+from musclewire.sensing import PolynomialEstimator, SensingModel, estimates, segment_course
 from musclewire.signals import Reason, WireSample
 
 R_MIN, R_MAX = 15.0, 17.3
@@ -83,7 +82,7 @@ def test_in_a_b_resistance_moves_with_the_temperature_and_between_b_and_c_agains
 @pytest.mark.parametrize("warmer", [True, False], ids=["heated", "cooled"])
 @pytest.mark.parametrize("rises", [True, False], ids=["rising", "falling"])
 def test_a_cold_wire_is_sensed_once_power_and_resistance_move_in_opposite_directions(rises: bool, warmer: bool) -> None:
-    estimator = PolynomialEstimator(ResistanceCurve(R_MIN, R_MAX, (0.03, -0.03), (0.03, -0.03), 0.0, 1.0), 1.0)
+    estimator = PolynomialEstimator(SensingModel(R_MIN, R_MAX, (0.03, -0.03), (0.03, -0.03), 0.0, 1.0), 1.0)
     resistance, power = moved(17.0 if rises else 17.25, 0.25 if rises else -0.25, 2.0 if warmer else 0.5)
     wire_v = np.sqrt(power * resistance)
     samples = [WireSample(0.0, 2.0, *pair) for pair in np.column_stack([wire_v, wire_v / resistance]).tolist()]

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from pydantic import TypeAdapter, ValidationError
 
 from musclewire.errors import CallerError, RecordingError
-from musclewire.signals import measured_in, measures, parse_quantity, scale_between
-from musclewire.signals._units import conversion_to_si, quantity_with_suffix
+from musclewire.signals import conversion_to_si, measured_in, measures, parse_quantity, scale_between
 
 WHERE = "loop.csv: column 'Force'"
 
@@ -150,25 +149,6 @@ def test_a_number_of_a_file_is_bounded_like_its_text(unit: str, most: float) -> 
     for amount in (1.01 * most, -1e300, 10**30, f"{1.01 * most} {unit}"):
         with pytest.raises(ValidationError, match="beyond what any bench has"):
             read(amount)
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ("1.0 ohm", (1.0, "_ohm")),
-        ("100 mm", (0.1, "_m")),
-        ("1.7 N", (1.7, "_n")),
-        ("4 %", (0.04, "")),
-        ("1.7", None),
-        ("Flexinol 125", None),
-        ("2024-01-01", None),
-        ("25 C", (298.15, "_k")),
-        ("5 pF", None),
-    ],
-)
-def test_a_quantity_in_a_comment_gives_its_value_and_the_suffix_of_its_name(text, expected):
-    found = quantity_with_suffix(text)
-    assert found == (expected if expected is None else (pytest.approx(expected[0]), expected[1]))
 
 
 @pytest.mark.parametrize(
