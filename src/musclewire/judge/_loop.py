@@ -133,10 +133,7 @@ class JudgedLoop:
 
     @cached_property
     def sensed(self) -> Mask:
-        """The samples from the first valid ``SENSED_S`` on; all if there are none.
-
-        Before it the wire is cold of B, where resistance does not determine its strain, and that is no fault.
-        """
+        """The samples from the first valid ``SENSED_S`` on, all if none: cold of B no strain is determined."""
         if "valid" not in self.recording:
             return self.since(0)
         length = max(round(SENSED_S / self.facts.sample_period_s), 1)

@@ -26,10 +26,7 @@ def wake_on_time() -> None:
 
 
 def pin_to_cpu(cpu: int) -> None:
-    """Keep this process on one processor core, so that it does not lose its caches by migrating.
-
-    Raises CallerError for a core that is not there or that this process may not use, and on systems without pinning.
-    """
+    """Keep this process, and its caches, on one core. Raises CallerError if core or system does not allow it."""
     if sys.platform != "linux":
         raise CallerError(f"a core cannot be chosen on {sys.platform}: leave out " + argument("cpu"))
     allowed = sorted(os.sched_getaffinity(0))

@@ -69,10 +69,7 @@ def resistance_maximum(
 
 
 def first_maximum(resistance_ohm: FloatArray, fall_ohm: float, noise_ohm: float) -> ResistanceMaximum | None:
-    """Return the maximum, B, that a wire passes in its first heating; None if resistance has not fallen from one.
-
-    A fast heating has few samples around it, read by a parabola; a slow one is read as a slow loop is.
-    """
+    """Return the maximum, B, of a wire's first heating, fast or slow; None if resistance has not fallen from one."""
     fallen = np.maximum.accumulate(resistance_ohm) - resistance_ohm
     passed = np.flatnonzero(fallen > max(PASSED_FRACTION * fall_ohm, BUMP_NOISES * noise_ohm))
     if not passed.size:

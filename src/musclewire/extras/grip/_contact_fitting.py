@@ -343,10 +343,7 @@ def compliances(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, 
 
 
 def power_per_newton_w(curve: GripCurve, grips: Sequence[GripSamples]) -> tuple[float, ...]:
-    """Return the power per newton at a tendon [W], as the detector computes it: a line over normalised resistance.
-
-    Raises RecordingError if too few samples carry forces of the size of a grip.
-    """
+    """Return the power per newton at a tendon [W]. Raises RecordingError if too few samples carry a grip's force."""
     leverage = np.polynomial.Polynomial(curve.leverage)
     place, force_n, cost_w = (
         np.concatenate([getattr(one, name) for one in grips]) for name in ("place", "force_n", "cost_w")

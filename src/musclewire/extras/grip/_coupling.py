@@ -197,11 +197,7 @@ def slack_move(
 def balance_connector(
     first: RunningWire, second: RunningWire, direction: float, start: BalanceGuess, other: BalanceGuess
 ) -> CoupledBalance:
-    """Return two wires on one connector in balance with its load, which is the first one's.
-
-    Newton's method on the connector's displacement: each wire is solved where the connector is tried, and both forces
-    are linear around that.
-    """
+    """Return two wires on one connector in balance with the first one's load, by Newton's method on displacement."""
     one, two = first.constants, second.constants
     ratio = direction * one.leg_length_m / two.leg_length_m
     held = start.contraction

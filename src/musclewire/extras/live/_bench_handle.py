@@ -240,10 +240,7 @@ class BenchHandle:
 async def ended(
     process: asyncio.subprocess.Process, *forces: Callable[[], None] | None, max_wait_s: float = MAX_END_S
 ) -> None:
-    """Wait for the end of a process, each time for at most so long [s], after each of the forces; None is patience.
-
-    Raises RigError if it has not ended after the last.
-    """
+    """Wait for a process's end, so long [s] after each of the forces. Raises RigError if it goes on after the last."""
     for force in forces:
         if force is not None:
             with contextlib.suppress(ProcessLookupError):

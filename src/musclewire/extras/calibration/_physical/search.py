@@ -204,10 +204,7 @@ def search(
     on_progress: OnProgress | None = None,
     on_step: OnStep | None = None,
 ) -> SearchResult:
-    """Return the best vector found, repeatable for one seed with any number of threads; a journal's descents count.
-
-    Raises NumericsError if no vector can be simulated.
-    """
+    """Return the best vector, repeatable for one seed. Raises NumericsError if no vector can be simulated."""
     report = on_progress or (lambda *_: None)
     with threads(settings.threads) as pool:
         parallel = ParallelProblem(problem, pool, on_step)

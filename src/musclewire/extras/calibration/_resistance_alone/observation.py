@@ -134,10 +134,7 @@ def electrical_part(recording: Recording) -> Recording:
 def observe_resistance(
     recording: Recording, bench: Mapping[str, float], end_stop_m: float | None, uncertain: Collection[str]
 ) -> ResistanceAndMarks:
-    """Return the resistance of a driven wire as an observation, with the numbers of its bench that are uncertain.
-
-    Raises as ``observe_drive``.
-    """
+    """Return a driven wire's resistance as an observation, and the uncertain numbers of its bench."""
     driven = observe_drive(electrical_part(recording), bench, "resistance")
     stiffness = driven.bench["spring_stiffness_n_per_m"]
     load = None if end_stop_m is None else spring_and_stop(stiffness, end_stop_m)

@@ -48,10 +48,7 @@ def possible_curves(drawn: FloatArray, model_of: Callable[[FloatArray], SensingM
 
 
 def scale_and_offset_std(curves: PossibleCurves, model: SensingModel) -> tuple[float, float]:
-    """Return the standard deviations of a common factor and a common offset that describe the spread of curves.
-
-    Least squares of the variance over the squared value, neither below 0, over the model's valid range.
-    """
+    """Return the deviations, 0 or more, of a common factor and offset that describe the spread of curves."""
     from scipy.optimize import nnls
 
     inside = (model.normalised_min <= GRID) & (model.normalised_max >= GRID)

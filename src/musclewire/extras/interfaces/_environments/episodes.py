@@ -66,10 +66,7 @@ class Episode:
         return np.broadcast_to(np.asarray(steps.levels), draws.shape).copy()
 
     def level_of_sample(self, sample_period_s: float) -> IntArray:
-        """Return the level asked for in each sample after the reset, and after the last one, (n_samples + 1,).
-
-        Approach and levels are rounded to whole samples, a level to at least one.
-        """
+        """Return the level asked for in each sample after the reset, and after the last one, (n_samples + 1,)."""
         approach, hold = round(self.approach_s / sample_period_s), max(round(self.hold_s / sample_period_s), 1)
         samples = np.arange(approach + self.levels * hold + 1)
         return np.clip((samples - approach) // hold, 0, self.levels - 1)
