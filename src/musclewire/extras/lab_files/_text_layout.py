@@ -126,8 +126,8 @@ def layout_of(lines: Sequence[Line], comments: Sequence[str], separator: str | N
     whole = (len(row) >= width and is_row(row, kinds) and kind_of(row[counted[0]]) in COUNTED for row in rows)
     start = next((index for index, is_first in enumerate(whole) if is_first), len(rows))
     body = rows[start:]
-    texts = [text for _, text in lines[:start]]
-    above = [list(map(_one_line, row)) for row, text in zip(rows, texts, strict=False) if not _RULE.fullmatch(text)]
+    texts = [text for _, text in lines[:start] if not _RULE.fullmatch(text)]
+    above = [list(map(_one_line, row)) for row in split_lines(texts, separator)]
     if separator == " " and above and len(above[-1]) != width:
         above[-1] = spaced_headers(texts[-1], width)
         if not above[-1]:

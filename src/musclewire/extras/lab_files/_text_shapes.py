@@ -131,9 +131,9 @@ def _named_values(head: Sequence[Line], is_stamped: bool) -> Shape | None:
                     yield began, _joined([*stamp, *(row.get(name, "") for name in names)])
                 began, stamp, row = number, first, {}
             row |= values
-        # The print may have ended within a row.
-        if counted.keys() <= row.keys():
-            yield began, _joined([*stamp, *(row[name] for name in names)])
+        # The print may have ended within a row; names that are rare are damaged ones.
+        if all(name in row for name, count in counted.items() if 2 * count > max(counted.values())):
+            yield began, _joined([*stamp, *(row.get(name, "") for name in names)])
 
     stamps = "a stamp before " if is_stamped else ""
     how = " in each line" if is_row_a_line else f", {len(names)} lines a row"

@@ -127,6 +127,25 @@ def test_a_large_file_is_read_as_a_small_one_wherever_it_stops_being_plain(file,
 ROWS = [f"{0.1 * number:.1f},{1.5 + number:.3f}" for number in range(12)]
 
 
+@pytest.mark.parametrize("rule", ["-------- ---------", "========"])
+def test_a_rule_below_names_with_blanks_is_none_of_them(file, rule):
+    rows = [row.replace(",", "  ") for row in ROWS]
+    assert read_recording(file("\n".join(["Time [s]  Force [N]", rule, *rows, ""]), "rule.txt"))["force_n"][0] == 1.5
+
+
+def test_a_cell_beyond_the_names_is_refused_with_its_own_line(file):
+    path = file("\n".join(["time_s,force_n", *(f"{row}," for row in ROWS), "1.2,13.5,F"]))
+    assert "line 14 has 3 cells for 2 headers" in refusal(path)
+
+
+def test_a_damaged_name_among_lines_of_values_hides_no_row(file):
+    prints = "".join("Time: {} s\nForce: {} N\n".format(*row.split(",")) for row in ROWS).replace(
+        "Time: 0.5", "Tixe: 0.5"
+    )
+    found = read_recording(file(prints, "prints.txt"), mapping=ImportMapping(drop_missing=True))
+    assert found["force_n"].tolist() == [1.5 + number for number in range(12) if number != 5]
+
+
 @pytest.mark.parametrize(
     ("lines", "rows", "said"),
     [
