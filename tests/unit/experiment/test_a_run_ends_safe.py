@@ -10,10 +10,9 @@ from pathlib import Path
 import pytest
 from fake_rig import FakeRig, stop_after, straight_model
 
-from musclewire.controllers import FuzzyPidSettings, sampled_reference, staircase
+from musclewire.controllers import sampled_reference, staircase
 from musclewire.errors import CallerError, RigError
-from musclewire.experiment import LoopChoice, WaveformPolicy, characterize, control, run_on_rig, run_warnings, slow_sine
-from musclewire.experiment._closed_loop import prepared_loop
+from musclewire.experiment import WaveformPolicy, characterize, control, run_on_rig, run_warnings, slow_sine
 from musclewire.sensing import SensingModel
 
 
@@ -115,13 +114,6 @@ def test_a_step_too_short_to_settle_has_no_error_rather_than_a_wrong_one() -> No
     metrics = control(FakeRig(), straight_model(), staircase(hold_s=1.0)).metrics
     assert {step.mae_pct for step in metrics.steps} == {None}
     assert metrics.mae_max_pct is None
-
-
-def test_the_controllers_error_unit_is_fitted_to_the_quantity_unless_the_caller_gave_one() -> None:
-    metres = replace(straight_model(), quantity="displacement")
-    for given, unit in ((None, pytest.approx(0.04 / 3.0)), (FuzzyPidSettings(error_unit=0.123), 0.123)):
-        loop = prepared_loop(FakeRig(), metres, None, LoopChoice(settings=given))
-        assert loop.controller.settings.error_unit == unit
 
 
 def test_a_finished_run_ends_at_the_sense_voltage_and_leaving_the_block_switches_off() -> None:

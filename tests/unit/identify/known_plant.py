@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
-from musclewire.controllers import FeedforwardSettings
+from musclewire.controllers import FeedforwardSettings, sampled_reference
 from musclewire.sensing import SensingModel
 
-__all__ = ["COOLING_W", "HEATING_W", "LIMITS", "MODEL", "TAU_S", "plant_settings"]
+__all__ = ["COOLING_W", "HEATING_W", "LIMITS", "MODEL", "TAU_S", "plant_settings", "sine"]
 
 TAU_S, COOLING_W, HEATING_W = 0.8, (0.25, 0.40), (0.35, 0.50)
 LIMITS: dict[str, Any] = {
@@ -38,3 +39,8 @@ def plant_settings(**changed: Any) -> FeedforwardSettings:
         "maximum_steady_power_w": 0.98,
     }
     return FeedforwardSettings(**{**known, **changed})
+
+
+def sine(frequency_hz: float, amplitude: float = 0.0075) -> Any:
+    time_s = np.arange(0.0, 6.0 / frequency_hz, 0.05)
+    return sampled_reference(time_s, 0.02 + amplitude * np.sin(2.0 * math.pi * frequency_hz * time_s))

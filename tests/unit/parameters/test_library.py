@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
 
 import pytest
 
 from musclewire.errors import CallerError
 from musclewire.parameters import Alloy, Bench, Wire, load_alloy, load_bench, load_wire, names, read_published
-from musclewire.parameters._library import published_text
 
 
 def everything() -> list[Alloy | Bench | Wire]:
@@ -66,15 +64,6 @@ def test_an_alloy_keeps_to_the_ranges_in_print(name: str) -> None:
     assert min(alloy["r_phase_barrier_k"], alloy["r_to_m_barrier_k"], alloy["martensite_barrier_k"]) > 0.0
 
 
-def test_the_published_table_2_is_the_same_in_both_files() -> None:
-    table = read_published("lan_fan_2010")["table2"]
-    text = [line for line in published_text("lan-fan-2010-table-2.csv").splitlines() if not line.startswith("#")]
-    rows = list(csv.DictReader(text))
-    assert [float(row["Required R [ohm]"]) for row in rows] == table["required_resistance_ohm"]
-    assert [float(row["S_h [%]"]) for row in rows] == table["strain_heating_pct"]
-    assert [float(row["S_c [%]"]) for row in rows] == table["strain_cooling_pct"]
-
-
 def test_the_published_numbers_are_those_of_the_paper() -> None:
     paper = read_published("lan_fan_2010")
     assert paper["loop_100um"]["resistance_min_ohm"] == 15.1526
@@ -83,16 +72,6 @@ def test_the_published_numbers_are_those_of_the_paper() -> None:
     assert paper["strain_gap_125um"] == {"pretension_n": [1.70, 4.67], "strain_gap_pct": [8.196, 2.702]}
     assert paper["force_gap_125um"] == {"pretension_n": 3.22, "force_gap_pct": 3.639}
     assert paper["controller"]["sample_period_s"] == 0.05
-
-
-def test_the_header_of_the_published_csv_repeats_the_loop_it_belongs_to() -> None:
-    loop = read_published("lan_fan_2010")["loop_100um"]
-    lines = [
-        line[1:].split("=", 1) for line in published_text("lan-fan-2010-table-2.csv").splitlines() if line[0] == "#"
-    ]
-    header = {key.strip(): value.strip() for key, value in lines}
-    for key in ("pretension_n", "resistance_min_ohm", "resistance_max_ohm"):
-        assert float(header[key]) == loop[key]
 
 
 @pytest.mark.parametrize(
