@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -139,28 +140,17 @@ def test_stairs_that_make_no_sense_are_refused(arguments: dict[str, Any], messag
 
 
 @pytest.mark.parametrize(
-    ("times_s", "targets", "message"),
+    ("ask", "message"),
     [
-        ([], [], "two columns"),
-        ([0.0, 1.0], [0.1], "two columns"),
-        ([0.0, 1.0], [0.1, math.nan], "row 1"),
-        ([0.0, 1.0, 1.0], [0.1, 0.2, 0.3], "row 2 has 1.0 s"),
+        (lambda: sampled_reference([], []), "two columns"),
+        (lambda: sampled_reference([0.0, 1.0], [0.1]), "two columns"),
+        (lambda: sampled_reference([0.0, 1.0], [0.1, math.nan]), "row 1"),
+        (lambda: sampled_reference([0.0, 1.0, 1.0], [0.1, 0.2, 0.3]), "row 2 has 1.0 s"),
+        (lambda: Staircase((), 1.0), "finite levels"),
+        (lambda: staircase().target_at(math.nan), "finite time"),
+        (lambda: staircase().targets_at([0.0, math.inf]), "finite times"),
     ],
 )
-def test_a_sampled_reference_that_makes_no_sense_is_refused(
-    times_s: list[float], targets: list[float], message: str
-) -> None:
+def test_a_reference_or_a_time_that_makes_no_sense_is_refused(ask: Callable[[], object], message: str) -> None:
     with pytest.raises(CallerError, match=message):
-        sampled_reference(times_s, targets)
-
-
-def test_no_levels_are_no_staircase() -> None:
-    with pytest.raises(CallerError, match="finite levels"):
-        Staircase((), 1.0)
-
-
-def test_the_target_at_no_time_is_refused() -> None:
-    with pytest.raises(CallerError, match="finite time"):
-        staircase().target_at(math.nan)
-    with pytest.raises(CallerError, match="finite times"):
-        staircase().targets_at([0.0, math.inf])
+        ask()

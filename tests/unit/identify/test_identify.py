@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from musclewire.experiment import characterize, pretension_sweep
 from musclewire.identify import estimate, fit, loop_gaps
 from musclewire.judge import resistance_reading
 from musclewire.rigs import RigConfiguration, open_rig
+from musclewire.sensing import SensingModel
 from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity
 
 
@@ -131,12 +134,6 @@ def test_a_model_remembers_its_wire(loop: Recording) -> None:
     assert fit(loop).wire["pretension_n"] == 1.9
 
 
-def test_another_wires_recording_is_refused_with_both_ranges(loop: Recording) -> None:
-    other = loop.with_columns(wire_voltage_v=3.0 * loop["wire_voltage_v"])
-    with pytest.raises(RecordingError, match=r"is it the same wire\?"):
-        estimate(fit(loop), other)
-
-
 def test_readings_of_another_wire_in_a_recording_are_named(loop: Recording) -> None:
     model = fit(loop)
     assert estimate(model, loop).warnings == ()
@@ -160,11 +157,6 @@ def test_a_held_wires_soft_mount_lets_it_move_and_is_fitted_like_a_spring() -> N
         assert fit(characterize(rig, cycles=1)).quantity_max > 0.03
 
 
-def test_model_and_recording_in_the_wrong_order_are_named(loop: Recording) -> None:
-    with pytest.raises(CallerError, match="a model and a recording, in this order, not a SensingModel second"):
-        estimate(loop, fit(loop))  # type: ignore[arg-type]
-
-
 def test_arrays_in_and_arrays_out(loop: Recording) -> None:
     resistance_ohm = resistance_reading(loop).resistance_ohm
     strain = np.asarray(reference_quantity(loop)).copy()
@@ -172,24 +164,6 @@ def test_arrays_in_and_arrays_out(loop: Recording) -> None:
     model = fit(resistance_ohm, strain)
     assert np.array_equal(model.strain(np.array([16.0, 15.5])), fit(loop).strain(np.array([16.0, 15.5])))
     assert "two arrays show no power" in model.no_gains
-
-
-@pytest.mark.parametrize(
-    ("given", "said"),
-    [
-        ((np.ones(3),), "two arrays, not a ndarray alone"),
-        (("loop.csv",), "read_recording opens a file"),
-        ((np.ones(3), np.ones(4)), r"resistance has the shape \(3,\) and the measured strain \(4,\)"),
-    ],
-)
-def test_what_fit_takes_is_said(given: tuple[object, ...], said: str) -> None:
-    with pytest.raises(CallerError, match=said):
-        fit(*given)  # type: ignore[arg-type]
-
-
-def test_a_recording_is_given_alone(loop: Recording) -> None:
-    with pytest.raises(CallerError, match="give fit the recording alone"):
-        fit(loop, np.ones(3))
 
 
 @pytest.mark.parametrize("kept", [("wire_voltage_v", "shunt_voltage_v"), ("wire_voltage_v", "a"), ("r", "a")])
@@ -208,16 +182,43 @@ def test_the_filter_runs_on_what_other_programs_record(loop: Recording, kept: tu
     assert found.rms_pct == pytest.approx(ours.rms_pct, rel=1e-6)
 
 
-def test_the_filter_says_what_a_resistance_alone_lacks(loop: Recording) -> None:
-    resistance_ohm = resistance_reading(loop).resistance_ohm
-    alone = Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
-    with pytest.raises(RecordingError, match="add the column wire_current_a or wire_voltage_v, or choose"):
-        estimate(fit(loop), alone, estimator="filter")
-
-
 def test_resistance_and_current_without_a_voltage_show_the_same_loop(loop: Recording) -> None:
     current_a = loop["shunt_voltage_v"] / float(loop.metadata["shunt_resistance_ohm"])
     kept = {name: loop[name] for name in ("time_s", "displacement_m", "cycle")}
     columns = {**kept, "wire_current_a": current_a, "wire_resistance_ohm": loop["wire_voltage_v"] / current_a}
     alone, whole = fit(Recording(columns, loop.metadata)), fit(loop)
     np.testing.assert_allclose(alone.slow_loop, whole.slow_loop, rtol=1e-6)
+
+
+# What is asked of a loop and its model, and what is said of it.
+REFUSED: list[tuple[Callable[[Recording, SensingModel], object], type[Exception], str]] = [
+    (lambda _, __: fit(np.ones(3)), CallerError, "two arrays, not a ndarray alone"),
+    (lambda _, __: fit("loop.csv"), CallerError, "read_recording opens a file"),
+    (lambda _, __: fit(np.ones(3), np.ones(4)), CallerError, r"has the shape \(3,\) and the measured strain \(4,\)"),
+    (lambda loop, _: fit(loop, np.ones(3)), CallerError, "give fit the recording alone"),
+    (lambda loop, model: estimate(loop, model), CallerError, "a model and a recording, in this order, not a Sens"),
+    (lambda loop, model: estimate(model, of_another_wire(loop)), RecordingError, r"is it the same wire\?"),
+    (
+        lambda loop, model: estimate(model, resistance_alone(loop), estimator="filter"),
+        RecordingError,
+        "add the column wire_current_a or wire_voltage_v, or choose",
+    ),
+]
+
+
+def of_another_wire(loop: Recording) -> Recording:
+    return loop.with_columns(wire_voltage_v=3.0 * loop["wire_voltage_v"])
+
+
+def resistance_alone(loop: Recording) -> Recording:
+    resistance_ohm = resistance_reading(loop).resistance_ohm
+    return Recording({"time_s": loop["time_s"], "wire_resistance_ohm": resistance_ohm}, {})
+
+
+@pytest.mark.parametrize(("ask", "error", "said"), REFUSED, ids=[said for *_, said in REFUSED])
+def test_what_cannot_be_fitted_or_estimated_is_said(
+    loop: Recording, ask: Callable[[Recording, SensingModel], object], error: type[Exception], said: str
+) -> None:
+    model = fit(loop)
+    with pytest.raises(error, match=said):
+        ask(loop, model)
