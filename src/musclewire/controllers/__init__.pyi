@@ -46,6 +46,7 @@ from ._protection.protect import Protection as Protection
 from ._protection.protect import commanded as commanded
 from ._protection.protect import judged_reading as judged_reading
 from ._protection.protect import judged_sample as judged_sample
+from ._protection.protect import signalled as signalled
 from ._protection.row import CONDITION_EVENTS as CONDITION_EVENTS
 from ._protection.row import PROTECTION as PROTECTION
 from ._protection.row import ProtectionState as ProtectionState

@@ -16,6 +16,13 @@ from ._c.numbers import rows as rows
 from ._c.reference import ReferenceTick as ReferenceTick
 from ._c.reference import TickOutcome as TickOutcome
 from ._export_c_command import limits_of_rig as limits_of_rig
+from ._micropython.circuit import MonitorCircuit as MonitorCircuit
+from ._micropython.circuit import circuit_names as circuit_names
+from ._micropython.circuit import load_circuit as load_circuit
+from ._micropython.numbers import BoardLoop as BoardLoop
+from ._micropython.program import program_files as program_files
+from ._micropython.program import program_of as program_of
+from ._micropython.program import write_program as write_program
 from ._nidaq.configuration import DisplacementInput as DisplacementInput
 from ._nidaq.configuration import ForceInput as ForceInput
 from ._nidaq.configuration import NiDaqConfiguration as NiDaqConfiguration

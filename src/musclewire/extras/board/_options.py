@@ -22,3 +22,4 @@ CONTROLLER_IN_C = own_help(
 DRY_RUN = option("--dry-run", help="Print the loader's command, and write nothing.")
 DOUBLE = option("--double", help="Double precision instead of single.")
 ARDUINO_ZIP = option("--arduino-zip", help="The library as one .zip, too, for 'Add .ZIP Library' of the Arduino IDE.")
+CIRCUIT = option("--board", help="Board, by name (pico, esp32, ...), or a file of its circuit (TOML).")

@@ -22,6 +22,13 @@ MANIFEST = Manifest(
             group="export",
             answer="musclewire.extras.board._export_c_command:ExportCAnswer",
         ),
+        Command(
+            "micropython",
+            "musclewire.extras.board._export_micropython_command:export_micropython",
+            "The program of a board with MicroPython, for one wire in one circuit: copy its files to the board.",
+            group="export",
+            answer="musclewire.extras.board._export_micropython_command:ExportMicropythonAnswer",
+        ),
     ),
     devices={
         "nidaq": "musclewire.extras.board._nidaq.device:NIDAQ",
