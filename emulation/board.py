@@ -30,7 +30,7 @@ from types import TracebackType
 from typing import Any, Literal, Self
 
 import numpy as np
-from firmware.build import mounted_wire
+from firmware.build import model_of, mounted_wire
 from numpy.typing import NDArray
 
 from emulation.boot_loaders import BOOT_LOADERS
@@ -38,6 +38,16 @@ from emulation.boot_loaders import boot_loader as boot_loader_hex
 from emulation.machines import prepared
 from emulation.plant import COLUMNS
 from musclewire.errors import CallerError, MusclewireError, RigError
+from musclewire.extras.board import (
+    BoardLoop,
+    MonitorCircuit,
+    circuit_names,
+    load_circuit,
+    program_files,
+    settings_in_c,
+    write_program,
+)
+from musclewire.rigs import MountedWire
 
 __all__ = ["EmulatedBoard", "firmware_for"]
 
@@ -49,11 +59,68 @@ RIG_FILES = ROOT / "src/musclewire/extras/board/rig_files"
 
 def firmware_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
     """Return the ELF of a board's firmware, built now. Raises CallerError with what is missing or wrong."""
+    if board in circuit_names():
+        return micropython_for(board, folder, options)
     command = [sys.executable, str(FIRMWARE / "build.py"), "--board", board, "-o", str(folder), *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise CallerError(done.stderr.strip().removeprefix("error: "))
     return folder / f"musclewire-{board}.elf"
+
+
+def micropython_for(board: str, folder: Path, options: Sequence[str] = ()) -> Path:
+    """Return the folder of a board's program in MicroPython, written now, with the numbers of its bench next to it."""
+    given = argparse.ArgumentParser()
+    given.add_argument("--wire", default="paper-100um")
+    given.add_argument("--fault-injection", action="store_true")
+    asked = given.parse_args(options)
+    circuit, mounted = load_circuit(board), wire_on(board, asked.wire)
+    model = model_of(mounted_wire(asked.wire), None)
+    limits = mounted.protection_limits(**RANGES_OF_MONITOR, readings_noisy=False)
+    settings = settings_in_c(model, sample_period_s=circuit.tick)
+    loop = BoardLoop(model, settings, limits, ("filter", "inverse-model"), circuit.tick)
+    texts = program_files(limits, loop, circuit, asked.wire, injected=asked.fault_injection)
+    program = folder / "program"
+    write_program(texts, program)
+    bench = bench_of(circuit) | {
+        "tick_us": round(1e6 * circuit.tick),
+        "output_full": 2**16 - 1,
+        "monitor_address": circuit.monitor_address,
+        "shunt_ohm": mounted.shunt,
+        "beside_wire_ohm": circuit.beside_wire,
+        "conversion_us": 1064,
+    }
+    (program / "circuit.json").write_text(json.dumps(bench), encoding="utf-8")
+    return program
+
+
+# A monitor's ranges [V] of bus and shunt.
+RANGES_OF_MONITOR = {"wire_range_v": 16.0, "shunt_range_v": 0.32}
+
+
+def bench_of(circuit: MonitorCircuit) -> dict[str, Any]:
+    """Return what the bench knows of a circuit: it gives the voltages that the monitor's registers show."""
+    return {
+        "name": circuit.board,
+        "tick_period_s": circuit.tick,
+        "converter_bits": 16,
+        "bench_bits": 16,
+        "converter_range_v": 6.0,
+        "converter_noise_v": 0.0,
+        "divider_share": 1.0,
+        "shunt_gain": 20.0,
+        "output_bits": 16,
+        "output_range_v": circuit.supply,
+        "supply_v": circuit.supply,
+    }
+
+
+def wire_on(board: str, wire: str) -> MountedWire:
+    """Return what hangs on a board; one with a monitor has the module's shunt, and a sense voltage that it can give."""
+    mounted = mounted_wire(wire)
+    if board not in circuit_names():
+        return mounted
+    return mounted.model_copy(update={"shunt": 0.1, "sense_voltage": 0.8})
 
 
 # An emulator starts in a tenth of a second, but in many seconds on a machine that is busy with other programs.
@@ -139,10 +206,13 @@ class EmulatedBoard:
         built = elf or firmware_for(
             board, folder, ["--wire", wire, *(["--fault-injection"] if fault_injection else [])]
         )
-        mounted = mounted_wire(wire)
+        mounted = wire_on(board, wire)
         circuit = {"shunt_resistance_ohm": mounted.shunt, "pretension_n": mounted.pretension}
         self._log, self._messages = folder / "log.bin", folder / "emulator.txt"
-        circuit_file = tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8"))
+        if board in circuit_names():
+            circuit_file = bench_of(load_circuit(board))
+        else:
+            circuit_file = tomllib.loads((FIRMWARE / "boards" / board / "circuit.toml").read_text(encoding="utf-8"))
         self._lockstep, self._tick_s = pace == "lockstep", float(circuit_file["tick_period_s"])
         self._start(
             {
@@ -362,10 +432,9 @@ def main() -> int:
 
 def rig_file_text(board: str, wire: str, port_url: str, *, lockstep: bool = False) -> str:
     """Return the rig file that is included for a board, with this port and wire, and patience with a slow emulator."""
-    text = (RIG_FILES / f"{'arduino-uno' if board == 'arduino-uno' else 'serial-board'}.toml").read_text(
-        encoding="utf-8"
-    )
-    mounted = mounted_wire(wire)
+    name = board if board == "arduino-uno" else "pico" if board in circuit_names() else "serial-board"
+    text = (RIG_FILES / f"{name}.toml").read_text(encoding="utf-8")
+    mounted = wire_on(board, wire)
     values = {
         "port": port_url,
         "wire": wire,

@@ -7,7 +7,9 @@ import subprocess
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from emulation.interpreter import interpreter
 from musclewire.errors import CallerError
+from musclewire.extras.board import circuit_names
 
 __all__ = ["prepared", "start_machine"]
 
@@ -35,6 +37,9 @@ def prepared(board: str, elf: Path, folder: Path) -> Path:
 
     Raises CallerError if a compiler or a library is missing.
     """
+    if board not in ("mps2-an386", "arduino-uno"):
+        interpreter()
+        return elf  # the folder of its program
     emulator = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc"}[board]
     packages = {"mps2-an386": "qemu-system-arm", "arduino-uno": "gcc libc6-dev libsimavr-dev libelf-dev"}[board]
     found = shutil.which(emulator)
@@ -78,4 +83,14 @@ def simavr(elf: str, host_port: int, wire_port: int) -> list[str]:
     return [str(Path(elf).with_name("simavr_board")), elf, str(host_port), str(wire_port)]
 
 
-COMMANDS: Mapping[str, Callable[[str, int, int], list[str]]] = {"mps2-an386": qemu, "arduino-uno": simavr}
+def node(folder: str, host_port: int, wire_port: int) -> list[str]:
+    """Return the command of the MicroPython interpreter with a board's files and the numbers of its circuit."""
+    found, program = interpreter(), str(FOLDER / "micropython" / "board.mjs")
+    return [str(found.node), program, str(found.folder), folder, str(host_port), str(wire_port)]
+
+
+COMMANDS: Mapping[str, Callable[[str, int, int], list[str]]] = {
+    "mps2-an386": qemu,
+    "arduino-uno": simavr,
+    **dict.fromkeys(circuit_names(), node),
+}

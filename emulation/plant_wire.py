@@ -127,7 +127,21 @@ class BenchWire:
             means.displacement_m,
             means.displacement_m / self._leg_m,
         )
+        if "supply_v" in board:
+            wire_v, shunt_v = self._within_a_pulse(float(board["supply_v"]))
         return self._converted(wire_v + shunt_v, shunt_v), truth
+
+    def _within_a_pulse(self, supply_v: float) -> tuple[float, float]:
+        """Return the voltages of wire and shunt while a board that switches its supply has it on."""
+        between_ohm = self._wire_ohm + self._lead_ohm
+        if self._active is not None:
+            circuit = self._active.circuit(
+                self._active.output_v(supply_v, self.time_s), between_ohm, self._shunt_ohm, self.time_s
+            )
+            if circuit is not None:
+                return circuit.wire_voltage_v, circuit.shunt_voltage_v
+        current_a = supply_v / (between_ohm + self._shunt_ohm)
+        return current_a * self._wire_ohm, current_a * self._shunt_ohm
 
     def _converted(self, node_v: float, shunt_v: float) -> Converted:
         """Return the codes of two voltages after divider, amplifier and a converter with noise."""

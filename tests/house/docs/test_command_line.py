@@ -95,6 +95,7 @@ CALLS = {
     "recover": ["cut.h5"],
     "rules": [],
     "export c": ["model.json", "-o", "library"],
+    "export micropython": ["-o", "program"],
     "export fmu": ["model.json", "-o", "fmus"],
     "schema": ["model"],
     "cite": [],

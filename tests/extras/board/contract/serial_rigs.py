@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 from emulation.board import EmulatedBoard, firmware_for
-from tests.contract.rig_subject import PAPERS_WIRE_OHM, RigSubject
+from tests.contract.rig_subject import PAPERS_WIRE_OHM, Opened, RigSubject
+from tests.extras.board.micropython.interpreters import require_interpreter
 from tests.tools import require_tool
 
 from musclewire.extras.board import SerialConfiguration
@@ -22,33 +23,36 @@ from musclewire.rigs import GuardedRig, open_rig, rig_configuration
 
 __all__ = ["COLD_K", "SERIAL_RIGS", "SUBJECTS", "built_firmware", "mounted", "on_board", "unwatched"]
 
-BOARD = "mps2-an386"
+BOARD, PICO = "mps2-an386", "pico"
 # A busy machine may take long over a sample; the board's own clock stands still meanwhile.
 PATIENCE_S = 10.0
 # The wire of a board that has just been switched on [K].
 COLD_K = 295.15
 
 
-def require_board() -> None:
-    """Skip the test, or fail it in CI, where the compiler or the emulator is missing."""
+def require_board(board: str = BOARD) -> None:
+    """Skip the test, or fail it in CI, where the compiler, the emulator or the interpreter is missing."""
+    if board == PICO:
+        require_interpreter()
+        return
     require_tool("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi")
     require_tool("qemu-system-arm", "qemu-system-arm")
 
 
 @cache
-def built_firmware(fault_injection: bool = False) -> Path:
+def built_firmware(fault_injection: bool = False, board: str = BOARD) -> Path:
     """Return the firmware, built once for all tests of a run."""
     folder = tempfile.TemporaryDirectory(prefix="musclewire-firmware-")
     built_firmware.folders.append(folder)  # type: ignore[attr-defined]
-    return firmware_for(BOARD, Path(folder.name), ["--fault-injection"] if fault_injection else [])
+    return firmware_for(board, Path(folder.name), ["--fault-injection"] if fault_injection else [])
 
 
 built_firmware.folders = []  # type: ignore[attr-defined]
 
 
-def mounted(port: str, **changed: Any) -> SerialConfiguration:
-    """Return the rig file that comes with musclewire, on a port, with some keys changed."""
-    shipped = rig_configuration("serial-board")[0]
+def mounted(port: str, rig: str = "serial-board", **changed: Any) -> SerialConfiguration:
+    """Return a rig file that comes with musclewire, on a port, with some keys changed."""
+    shipped = rig_configuration(rig)[0]
     assert isinstance(shipped, SerialConfiguration)
     return SerialConfiguration.model_validate({**shipped.model_dump(), "port": port, **changed})
 
@@ -58,20 +62,30 @@ def on_board(**changed: Any) -> GuardedRig:
     return rig_and_board(**changed)[0]
 
 
-def for_a_test(request: pytest.FixtureRequest, _folder: Path) -> GuardedRig:
-    """Return such a rig, whose board ends with the test and not with its last reference."""
-    rig, board = rig_and_board()
-    request.addfinalizer(board.close)
-    request.addfinalizer(rig.close)
-    return rig
+def on_pico(**changed: Any) -> GuardedRig:
+    """Return such a rig on a board with MicroPython."""
+    return rig_and_board(PICO, **changed)[0]
 
 
-def rig_and_board(**changed: Any) -> tuple[GuardedRig, EmulatedBoard]:
+def for_a_test(name: str) -> Opened:
+    """Return what opens such a rig, whose board ends with the test and not with its last reference."""
+
+    def opened(request: pytest.FixtureRequest, _folder: Path) -> GuardedRig:
+        rig, board = rig_and_board(name)
+        request.addfinalizer(board.close)
+        request.addfinalizer(rig.close)
+        return rig
+
+    return opened
+
+
+def rig_and_board(name: str = BOARD, **changed: Any) -> tuple[GuardedRig, EmulatedBoard]:
     """Return a rig and its board, which ends with the rig at the latest."""
-    require_board()
-    board = EmulatedBoard(pace="lockstep", elf=built_firmware())
+    require_board(name)
+    board = EmulatedBoard(pace="lockstep", board=name, elf=built_firmware(board=name))
     try:
-        on_port = mounted(board.port_url, patience=PATIENCE_S, lockstep=True, **changed)
+        file = PICO if name == PICO else "serial-board"
+        on_port = mounted(board.port_url, file, patience=PATIENCE_S, lockstep=True, **changed)
         rig = open_rig(on_port, wire_temperature_k=COLD_K)
     except BaseException:
         board.close()
@@ -86,7 +100,11 @@ def unwatched(rig: GuardedRig) -> None:
     rig._watch.end()
 
 
-SERIAL_RIGS: dict[str, Callable[[], GuardedRig]] = {"serial, emulated Cortex-M4F": on_board}
+SERIAL_RIGS: dict[str, Callable[[], GuardedRig]] = {
+    "serial, emulated Cortex-M4F": on_board,
+    "serial, emulated Pico": on_pico,
+}
 SUBJECTS = tuple(
-    RigSubject(name, for_a_test, PAPERS_WIRE_OHM, emulated=True, by_the_clock=False) for name in SERIAL_RIGS
+    RigSubject(name, for_a_test(board), PAPERS_WIRE_OHM, emulated=True, by_the_clock=False)
+    for name, board in zip(SERIAL_RIGS, (BOARD, PICO), strict=True)
 )
