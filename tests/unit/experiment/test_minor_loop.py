@@ -107,12 +107,6 @@ def without() -> Recording:
         return characterize(rig, minor_loop=False)
 
 
-@pytest.fixture(scope="module")
-def loop() -> Recording:
-    with open_rig("simulated") as rig:
-        return characterize(rig)
-
-
 def test_the_cycles_are_those_of_a_run_without_it_to_the_bit(loop: Recording, without: Recording) -> None:
     assert without.minor_loop is None
     assert MINOR_LOOP_FROM not in without.metadata

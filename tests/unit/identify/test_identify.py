@@ -14,12 +14,6 @@ from musclewire.sensing import SensingModel
 from musclewire.signals import COLUMN_SUFFIX, Recording, reference_quantity
 
 
-@pytest.fixture(scope="module")
-def loop() -> Recording:
-    with open_rig("simulated") as rig:
-        return characterize(rig)
-
-
 def test_strain_is_displacement_over_one_leg(loop: Recording) -> None:
     strain = reference_quantity(loop, "strain")
     assert strain is not None

@@ -6,16 +6,8 @@ import numpy as np
 import pytest
 
 from musclewire.errors import RecordingError
-from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
-from musclewire.rigs import open_rig
 from musclewire.signals import Recording
-
-
-@pytest.fixture(scope="module")
-def loop() -> Recording:
-    with open_rig("simulated") as rig:
-        return characterize(rig)
 
 
 @pytest.mark.parametrize(("column", "cause"), [("displacement_m", "the length of the wire"), ("reference_strain", "")])

@@ -7,21 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
 from musclewire.judge import measured_rows
-from musclewire.rigs import open_rig
 from musclewire.sensing import SensingModel
 from musclewire.signals import Recording
 
 POINTS = 142
 SAID = "lie on straight lines between the"
-
-
-@pytest.fixture(scope="module")
-def loop() -> Recording:
-    with open_rig("simulated") as rig:
-        return characterize(rig)
 
 
 @pytest.fixture(scope="module")

@@ -12,19 +12,12 @@ from numpy.random import Generator
 
 from musclewire.arrays import FloatArray
 from musclewire.errors import RecordingError
-from musclewire.experiment import characterize
 from musclewire.identify import estimate, fit
 from musclewire.judge import JudgedRecording, judge_readings, resistance_reading
 from musclewire.rigs import open_rig
 from musclewire.signals import Recording
 
 SHUNT_OHM = 1.0
-
-
-@pytest.fixture(scope="module")
-def loop() -> Recording:
-    with open_rig("simulated") as rig:
-        return characterize(rig)
 
 
 @pytest.fixture(scope="module")
