@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 
 from musclewire.errors import CallerError, RigError
 from musclewire.experiment import drive_wire
-from musclewire.experiment._drive import HeldCurrent
 from musclewire.rigs import open_rig
-from musclewire.signals import Drive, RawSample
 
 
 def test_a_held_current_is_held_on_a_rig_that_is_no_simulation() -> None:
@@ -42,23 +40,6 @@ def test_a_supply_is_switched_on_for_as_long_as_asked_and_the_recording_says_so(
     assert run["drive_voltage_v"][0] < 0.5
     assert (run.metadata["supply_v"], run.metadata["on_s"]) == (3.0, 0.5)
     assert run["wire_temperature_k"].max() > run["wire_temperature_k"][0] + 10.0
-
-
-def test_the_voltage_never_leaves_its_limits() -> None:
-    policy = HeldCurrent(10.0, 0.3, 3.6, 1.0, 0.05, 1.0)
-    decision = policy.after(RawSample(0.05, 0.3, 0.28, 0.016), 0.05)
-    assert decision.command == Drive(3.6)
-    policy = HeldCurrent(0.001, 0.3, 3.6, 1.0, 0.05, 1.0)
-    assert policy.after(RawSample(0.05, 0.3, 0.28, 0.016), 0.05).command == Drive(0.3)
-
-
-def test_a_sample_without_current_keeps_the_drive_and_five_end_the_run() -> None:
-    policy = HeldCurrent(0.1, 0.3, 3.6, 1.0, 0.05, 10.0)
-    no_current = RawSample(0.05, 1.7, 1.7, 0.0)
-    for _ in range(4):
-        assert policy.after(no_current, 0.05).command == Drive(1.7)
-    with pytest.raises(RigError, match="no current"):
-        policy.after(no_current, 0.05)
 
 
 def test_a_broken_wire_ends_with_the_rig_at_its_sense_voltage() -> None:
