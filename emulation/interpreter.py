@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import ssl
 import subprocess
 import sys
 import tarfile
@@ -67,10 +68,11 @@ def fetch() -> Interpreter:
 
 def run(command: list[str], folder: Path | None = None) -> None:
     """Run a command with the environment's own programs. Raises CallerError with its messages if it fails."""
-    path = os.pathsep.join([str(place() / "bin"), os.environ.get("PATH", "")])
-    done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False, env={**os.environ, "PATH": path}
-    )
+    variables = {**os.environ, "PATH": os.pathsep.join([str(place() / "bin"), os.environ.get("PATH", "")])}
+    # Node asks its own authorities alone; those of this machine are Python's.
+    if authorities := ssl.get_default_verify_paths().cafile:
+        variables.setdefault("NODE_EXTRA_CA_CERTS", authorities)
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, env=variables)
     if done.returncode != 0:
         raise CallerError(f"{Path(command[0]).name} failed:\n{done.stderr.strip()}")
 
