@@ -37,9 +37,12 @@ def each_precision(single: Any, double: Any) -> list[pytest.ParameterSet]:
 
     Golden vectors and bits of each in both are those of the libraries compiled in test_c_equals_python.py and beside.
     """
-    others = [("zhao-1993", double), ("filter", single), ("inverse-model", double)]
-    quick = [("zhao-1993", single), ("filter", double), ("inverse-model", single)]
-    return [*(pytest.param(*one) for one in quick), *(pytest.param(*one, marks=pytest.mark.slow) for one in others)]
+    quick, slow = {"zhao-1993": single, "filter": double, "inverse-model": single}, pytest.mark.slow
+    return [
+        pytest.param(made, precision, marks=() if precision == quick[made] else slow, id=f"{made}-{word}")
+        for made in quick
+        for word, precision in (("single", single), ("double", double))
+    ]
 
 
 def sources(one: Exported) -> list[Path]:
@@ -111,12 +114,17 @@ def test_no_compiler_and_no_optimisation_changes_a_bit(
     assert run(program, SAMPLES).strip() == host_hash(one.library.folder, SAMPLES, double=double)
 
 
-@pytest.mark.parametrize(("made", "double"), each_precision(False, True))
 @pytest.mark.parametrize(
-    "target",
+    ("target", "made", "double"),
     [
-        pytest.param(target, id=target.name, marks=() if target.name == "cortex-m4f" else pytest.mark.emulated)
+        pytest.param(
+            target,
+            *one.values,
+            marks=one.marks if target.name == "cortex-m4f" else pytest.mark.emulated,
+            id=f"{target.name}-{one.id}",
+        )
         for target in CORTEX_M
+        for one in each_precision(False, True)
     ],
 )
 def test_an_emulated_processor_gives_the_bits_of_this_machine(
