@@ -110,7 +110,7 @@ class WDT:
 class I2C:
     """A bus with an INA219."""
 
-    def __init__(self, number, sda, scl, freq):
+    def __init__(self, number, sda, scl, freq, timeout):
         self.configuration, self.began_us = 0x399F, 0
 
     def writeto_mem(self, address, register, value):

@@ -82,6 +82,29 @@ def test_the_board_closes_the_loop_by_itself_as_the_host_does(tmp_path: Path) ->
 
 
 @pytest.mark.emulated
+def test_a_host_that_goes_at_any_moment_leaves_nothing_out_after_a_quarter_of_a_second(tmp_path: Path) -> None:
+    require_interpreter()
+    random = np.random.default_rng(66)
+    with EmulatedBoard(board="pico", pace="lockstep") as board:
+        rig_file = tmp_path / "pico.toml"
+        rig_file.write_text(rig_file_text("pico", "paper-100um", board.port_url, lockstep=True), encoding="utf-8")
+        for _ in range(10):
+            rig = mw.open_rig(rig_file, wire_temperature_k=295.15)
+            for _ in range(int(random.integers(1, 8))):
+                rig.exchange(float(random.uniform(1.0, 3.0)))
+            assert board.log()["code"][-1] > 0.0
+            before = board.log()["code"].size
+            board.unplug()
+            board.release(8)
+            # Expiry after 0.25 s without a command, of which a tick may just have begun.
+            assert not board.log()["code"][before + 7 :].any()
+            with pytest.raises(mw.RigError):
+                rig.exchange(1.0)
+            rig.close()
+            board.plug()
+
+
+@pytest.mark.emulated
 def test_ctrl_c_ends_the_program_of_a_board_that_is_not_armed_and_the_wire_is_off() -> None:
     require_interpreter()
     with EmulatedBoard(board="pico") as board, socket.create_connection(("127.0.0.1", board.port)) as line:

@@ -34,7 +34,8 @@ class MonitorCircuit(BaseModel):
     supply: Volts = 5.0
     # Between module and ground besides the wire: the MOSFET's R_DS(on) by its data sheet, and leads.
     beside_wire: Ohms = 0.03
-    pulse_hz: Annotated[int, Field(ge=100, le=20_000)] = 1000
+    # A changed pulse begins with the timer's next period: 50 us, before the command to the monitor is sent.
+    pulse_hz: Annotated[int, Field(ge=10_000, le=40_000)] = 20_000
     tick: Seconds = 0.05  # 20 readings a second
     # Of a tick the wire has the full supply, for a reading: a command on I2C, two conversions.
     reading: Seconds = 1.27e-3

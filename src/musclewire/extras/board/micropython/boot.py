@@ -3,8 +3,7 @@
 import musclewire_numbers as n
 from machine import PWM, Pin
 
-try:
-    PWM(Pin(n.GATE_PIN)).deinit()
-except (OSError, ValueError):
-    pass  # no pulse has run on it
+Pin(n.GATE_PIN, Pin.OUT, value=0)
+# Without its duty an ESP32's begins with half of it (micropython#8306).
+PWM(Pin(n.GATE_PIN), freq=n.PULSE_HZ, duty_u16=0).deinit()
 Pin(n.GATE_PIN, Pin.OUT, value=0)

@@ -15,7 +15,8 @@ class Bench:
 
     def __init__(self):
         self.gate = PWM(Pin(n.GATE_PIN), freq=n.PULSE_HZ, duty_u16=0)
-        self.i2c = I2C(n.I2C_BUS, sda=Pin(n.SDA_PIN), scl=Pin(n.SCL_PIN), freq=400_000)
+        # A bus that hangs must not hold the gate open: what waits on it ends in two milliseconds.
+        self.i2c = I2C(n.I2C_BUS, sda=Pin(n.SDA_PIN), scl=Pin(n.SCL_PIN), freq=400_000, timeout=2000)
         self.line, self.watchdog = musclewire_line.Line(), None
         self.drive_v, self.duty, self.read_s = 0.0, 0, n.READING_S
         self.due, self.seen_v = 1.0, (0.0, 0.0)
@@ -28,7 +29,7 @@ class Bench:
         self.line.send(frame)
 
     def watch(self, armed):
-        """Feed the watchdog; it begins when the wire is first armed, since nothing can stop it again."""
+        """Feed the watchdog, once a finished tick; it begins when the wire is first armed, for nothing stops it."""
         if armed and self.watchdog is None:
             self.watchdog = WDT(timeout=n.WATCHDOG_MS)
         if self.watchdog is not None:
@@ -72,7 +73,7 @@ class Bench:
         found, began = None, time.ticks_us()
         self.gate.duty_u16(FULL)
         try:
-            # While this is sent, for 90 us, leads and supply settle.
+            # While this is sent, for 90 us, the pulse begins, with its next period, and leads and supply settle.
             self.i2c.writeto_mem(n.MONITOR_ADDRESS, n.CONFIGURATION, n.TRIGGER)
             time.sleep_us(n.CONVERSIONS_US)
             self._pulse_ends(began)

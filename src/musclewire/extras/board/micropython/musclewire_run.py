@@ -8,7 +8,6 @@ import musclewire_pins
 from musclewire_board import Application
 
 TICK_US = round(1e6 * n.TICK_S)
-LATE_US = 3 * TICK_US  # so late a tick has been missed, and the next one begins again
 
 
 async def run(bench):
@@ -19,12 +18,12 @@ async def run(bench):
         while True:
             for byte in bench.received():
                 application.byte(byte)
-            bench.watch(application.loop.armed)
             if time.ticks_diff(time.ticks_us(), due) >= 0:
                 # Two clocks: heat counts the ticks that have passed, whatever a reading took.
                 behind = time.ticks_diff(time.ticks_us(), due) // TICK_US
                 application.tick(bench.reading(application.loop.armed), 1 + behind)
                 due = time.ticks_add(due, TICK_US * (1 + behind))
+                bench.watch(application.loop.armed)
             await asyncio.sleep_ms(1)
     finally:
         bench.close()
