@@ -22,6 +22,16 @@ ROOT = Path(__file__).resolve().parent.parent
 DEFINITION = ROOT / "src/musclewire/extras/board/_serial/data/protocol.toml"
 PYTHON = ROOT / "src/musclewire/extras/board/_serial/message_types.py"
 HEADER = ROOT / "firmware/src/messages.h"
+MONITORS = DEFINITION.with_name("monitors.toml")
+MONITORS_HEADER = ROOT / "firmware/src/monitors.h"
+# What the firmware reads of a current monitor's row: the members of mw_ina_kind in sense_ina.h.
+MONITOR_MEMBERS = (
+    *("address_lowest", "address_highest"),
+    *("maker_register", "kind_register", "configuration_register", "flags_register", "clear_register"),
+    *("maker", "kind", "kind_mask", "settings", "flags_setting", "ready_mask", "overflow_mask"),
+    *("shunt_register", "shunt_bytes", "shunt_shift", "bus_register", "bus_bytes", "bus_shift"),
+    *("shunt_lowest", "shunt_highest", "shunt_step_v", "bus_step_v"),
+)
 PAGE = ROOT / "docs/reference/firmware_protocol.md"
 # The letters of Python's struct, and the types of Python.
 LETTERS = {"u8": "B", "u16": "H", "u32": "I", "f32": "f"}
@@ -205,6 +215,24 @@ def header_text(of: Protocol) -> str:
     return "\n".join([*lines, "", "#endif", ""])
 
 
+def monitors_text() -> str:
+    """Return the text of monitors.h."""
+    chips: dict[str, dict[str, float]] = tomllib.loads(MONITORS.read_text(encoding="utf-8"))
+    rows = []
+    for name, row in chips.items():
+        values = [f".{key} = {row[key]}{'f' if key.endswith('_v') else ''}" for key in MONITOR_MEMBERS]
+        lines = [", ".join(values[at : at + 3]) for at in range(0, len(values), 3)]
+        rows.append(f"    [MW_{name.upper()}] = {{ \\\n        " + ", \\\n        ".join(lines) + " \\\n    }, \\\n")
+    names = ", ".join(f"MW_{name.upper()}" for name in chips)
+    return (
+        "/* Current monitors on I2C: registers, settings, steps, by TI's data sheets "
+        f"{', '.join(str(row['data_sheet']) for row in chips.values())}.\n"
+        " * Written by `python firmware/protocol.py` from the host's data/monitors.toml; a test holds it to that. */\n"
+        "#ifndef MW_MONITORS_H\n#define MW_MONITORS_H\n\n"
+        f"enum {{ {names}, MW_INA_KINDS }};\n\n#define MW_INA_TABLE {{ \\\n{''.join(rows)}}}\n\n#endif\n"
+    )
+
+
 def _entries(numbers: list[tuple[str, str, str]]) -> list[str]:
     last = len(numbers) - 1
     return [
@@ -276,7 +304,7 @@ def page() -> str:
 def written() -> dict[Path, str]:
     """Return each generated file with its text."""
     of = protocol()
-    return {PYTHON: python_text(of), HEADER: header_text(of)}
+    return {PYTHON: python_text(of), HEADER: header_text(of), MONITORS_HEADER: monitors_text()}
 
 
 def main() -> int:

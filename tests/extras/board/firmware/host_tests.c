@@ -11,7 +11,8 @@
 #include "application.h"
 #include "board_constants.h"
 #include "sense_channels.h"
-#include "sense_ina226.h"
+#include "monitors.h"
+#include "sense_ina.h"
 
 /* ---- a board of variables --------------------------------------------------------------------------- */
 
@@ -945,81 +946,156 @@ TEST(a_saturated_channel_reads_as_the_end_of_its_range)
     MUST(mw_sense_channels(&channels, 30000u, 65535u).shunt_voltage_v == 0.33f);
 }
 
-/* An INA226 of registers (SBOS547): ready bit cleared by reading it, settings kept, no other register written. */
+/* Monitor chips of registers, by their data sheets and not by the table: what they wake up with, widths, steps, how the
+ * ready flag is cleared, the time of a pair of conversions. */
 typedef struct {
-    uint16_t settings, shunt, bus, maker;
-    bool ready, gone;
+    uint8_t number, maker_at, kind_at, configuration_at, flags_at, clear_at, shunt_at, bus_at, bytes, shunt_shift, bus_shift;
+    uint16_t maker, kind, wakes_with, settings, ready, overflow;
+    int32_t shunt_end; /* [steps] */
+    double shunt_step_v, bus_step_v;
+    int pair_us;
+} chip_sheet;
+
+static const chip_sheet sheets[] = {
+    {MW_INA219, 0xf0, 0xf0, 0, 2, 3, 1, 2, 2, 0, 3, 0, 0, 0x399f, 0x199f, 2, 1, 32000, 10e-6, 4e-3, 1064},
+    {MW_INA226, 0xfe, 0xff, 0, 6, 6, 1, 2, 2, 0, 0, 0x5449, 0x2260, 0x4127, 0x4097, 8, 4, 32767, 2.5e-6, 1.25e-3, 664},
+    {MW_INA228, 0x3e, 0x3f, 1, 11, 11, 4, 5, 3, 4, 4, 0x5449, 0x2281, 0xfb68, 0xb6e8, 2, 0x200, 524287, 312.5e-9,
+     195.3125e-6, 560},
+    {MW_INA260, 0xfe, 0xff, 0, 6, 6, 1, 2, 2, 0, 0, 0x5449, 0x2270, 0x6127, 0x6097, 8, 4, 32767, 2e-3 * 1.25e-3, 1.25e-3,
+     664},
+};
+#define SHEETS (sizeof sheets / sizeof sheets[0])
+
+typedef struct {
+    const chip_sheet *sheet;
+    uint16_t settings;
+    double shunt_v, bus_v;
+    int now_us, taken_us; /* since when the next pair is converted */
+    bool overflowed;
+    int calls_left; /* the cable falls out after them; -1: never */
     int writes;
 } chip_model;
+
+static bool is_there(chip_model *chip, uint8_t address)
+{
+    if (address != 0x45u || chip->calls_left == 0)
+        return false;
+    chip->calls_left -= chip->calls_left > 0;
+    return true;
+}
 
 static bool model_write(void *bus, uint8_t address, uint8_t chip_register, uint16_t value)
 {
     chip_model *chip = bus;
-    chip->writes++;
-    if (chip->gone || address != 0x45u || chip_register != 0x00u)
+    if (!is_there(chip, address))
         return false;
-    chip->settings = value;
+    chip->writes++;
+    if (chip_register == chip->sheet->configuration_at) {
+        chip->settings = value;
+        chip->taken_us = chip->now_us;
+    }
     return true;
 }
 
-static bool model_read(void *bus, uint8_t address, uint8_t chip_register, uint16_t *value)
+/* An odd end is that of two's complement, which reaches one step further below zero. */
+static uint32_t steps_of(double value, int32_t end)
+{
+    return (uint32_t)(int32_t)lrint(fmin(fmax(value, -end - (end & 1)), end));
+}
+
+static bool model_read(void *bus, uint8_t address, uint8_t chip_register, uint8_t bytes, uint32_t *value)
 {
     chip_model *chip = bus;
-    if (chip->gone || address != 0x45u)
+    const chip_sheet *sheet = chip->sheet;
+    const uint32_t kept = bytes == 3u ? 0xffffffu : 0xffffu;
+    if (!is_there(chip, address))
         return false;
-    switch (chip_register) {
-    case 0x00: *value = chip->settings; return true;
-    case 0x01: *value = chip->shunt; return true;
-    case 0x02: *value = chip->bus; return true;
-    case 0x06: *value = chip->ready ? 0x0008u : 0u; chip->ready = false; return true;
-    case 0xfe: *value = chip->maker; return true;
-    case 0xff: *value = 0x2260u; return true;
-    default: return false;
+    const bool ready = chip->now_us - chip->taken_us >= sheet->pair_us;
+    *value = 0u;
+    if (chip_register == sheet->maker_at)
+        *value = sheet->maker;
+    if (chip_register == sheet->kind_at)
+        *value = sheet->kind;
+    if (chip_register == sheet->configuration_at)
+        *value = chip->settings;
+    if (chip_register == sheet->shunt_at && bytes == sheet->bytes)
+        *value = (steps_of(chip->shunt_v / sheet->shunt_step_v, sheet->shunt_end) << sheet->shunt_shift) & kept;
+    if (chip_register == sheet->bus_at && bytes == sheet->bytes)
+        *value = (steps_of(chip->bus_v / sheet->bus_step_v, 1000000) << sheet->bus_shift) & kept;
+    if (chip_register == sheet->flags_at)
+        *value |= (ready ? sheet->ready : 0u) | (chip->overflowed ? sheet->overflow : 0u);
+    if (chip_register == sheet->clear_at && ready)
+        chip->taken_us = chip->now_us;
+    return true;
+}
+
+static chip_model woken(const chip_sheet *sheet)
+{
+    return (chip_model){.sheet = sheet, .settings = sheet->wakes_with, .shunt_v = 0.05, .bus_v = 3.0, .calls_left = -1};
+}
+
+TEST(each_monitor_chip_is_found_and_gives_each_pair_once_and_in_volts)
+{
+    for (size_t i = 0; i < SHEETS; i++) {
+        const chip_sheet *sheet = &sheets[i];
+        chip_model model = woken(sheet);
+        mw_ina chip = {model_write, model_read, &model, 0x45u, NULL};
+        mw_board_reading reading;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_LOST);
+        MUST(mw_ina_start(&chip) && chip.kind == mw_ina_kind_of(sheet->number) && model.settings == sheet->settings);
+        MUST(mw_ina_start(&chip)); /* the processor alone was reset */
+        model.now_us += sheet->pair_us - 1;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_NOT_YET);
+        model.now_us += 1;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_READY);
+        MUST(fabs(reading.shunt_voltage_v - 0.05) <= 0.5 * sheet->shunt_step_v + 1e-7);
+        MUST(fabs(reading.wire_voltage_v - 2.95) <= 0.5 * (sheet->bus_step_v + sheet->shunt_step_v) + 1e-6);
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_NOT_YET);
+        model.now_us += sheet->pair_us;
+        model.shunt_v = -0.0025;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_READY && fabsf(reading.shunt_voltage_v + 0.0025f) < 1e-7f);
+        for (int sign = -1; sign <= 1; sign += 2) {
+            model.now_us += sheet->pair_us;
+            model.shunt_v = sign * 1.0;
+            MUST(mw_ina_read(&chip, &reading) == MW_INA_OVERFLOW && sign * reading.shunt_voltage_v > 0.08f);
+        }
+        model.now_us += sheet->pair_us;
+        model.shunt_v = 0.05;
+        model.overflowed = true;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_OVERFLOW);
     }
-}
-
-TEST(the_monitor_chip_gives_each_pair_once_and_in_volts)
-{
-    chip_model model = {.settings = 0x4127u, .maker = 0x5449u};
-    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
-    mw_board_reading reading;
-    MUST(mw_ina226_start(&chip) && model.settings == 0x4097u && model.writes == 1);
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_NOT_YET);
-    model.ready = true;
-    model.shunt = 20000u; /* 50 mV */
-    model.bus = 2400u;    /* 3 V */
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_READY);
-    MUST(fabsf(reading.shunt_voltage_v - 0.05f) < 1e-7f && fabsf(reading.wire_voltage_v - 2.95f) < 1e-6f);
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_NOT_YET);
-}
-
-TEST(the_monitor_chip_tells_a_reversed_shunt_and_the_end_of_its_range)
-{
-    chip_model model = {.settings = 0x4127u, .maker = 0x5449u};
-    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
-    mw_board_reading reading;
-    MUST(mw_ina226_start(&chip));
-    model.ready = true;
-    model.shunt = 0xfc18u; /* minus 1000 steps */
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_READY && fabsf(reading.shunt_voltage_v + 0.0025f) < 1e-8f);
-    model.ready = true;
-    model.shunt = 0x7fffu;
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_OVERFLOW);
 }
 
 TEST(a_monitor_chip_that_is_gone_foreign_or_forgetful_is_not_believed)
 {
-    chip_model model = {.settings = 0x4127u, .maker = 0x1234u};
-    const mw_ina226 chip = {model_write, model_read, &model, 0x45u};
-    mw_board_reading reading;
-    MUST(!mw_ina226_start(&chip) && model.writes == 0);
-    model.maker = 0x5449u;
-    MUST(mw_ina226_start(&chip));
-    model.settings = 0x4127u; /* its supply dipped: back to what it wakes up with */
-    model.ready = true;
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_LOST);
-    model.gone = true;
-    MUST(mw_ina226_read(&chip, &reading) == MW_INA226_LOST);
+    for (size_t i = 0; i < SHEETS; i++) {
+        mw_board_reading reading;
+        for (size_t j = 0; j < SHEETS; j++) {
+            chip_model other = woken(&sheets[j]);
+            mw_ina chip = {model_write, model_read, &other, 0x45u, mw_ina_kind_of(sheets[i].number)};
+            MUST(mw_ina_start(&chip) == (i == j) && (i == j || other.writes == 0));
+        }
+        chip_model model = woken(&sheets[i]);
+        mw_ina chip = {model_write, model_read, &model, 0x45u, NULL};
+        MUST(mw_ina_start(&chip));
+        model.settings = sheets[i].wakes_with; /* its supply dipped */
+        model.now_us += sheets[i].pair_us;
+        MUST(mw_ina_read(&chip, &reading) == MW_INA_LOST);
+        MUST(mw_ina_start(&chip));
+        for (int calls = 0; calls < 4; calls++) {
+            model.calls_left = -1;
+            model.now_us += sheets[i].pair_us;
+            model.calls_left = calls;
+            MUST(mw_ina_read(&chip, &reading) == MW_INA_LOST);
+        }
+        chip_model foreign = woken(&sheets[i]);
+        foreign.settings = 0x1234u;
+        chip_sheet sheet = sheets[i];
+        sheet.maker = 0x1234u;
+        foreign.sheet = &sheet;
+        chip = (mw_ina){model_write, model_read, &foreign, 0x45u, NULL};
+        MUST(!mw_ina_start(&chip) && foreign.writes == 0);
+    }
 }
 
 /* ---- lines of text ---------------------------------------------------------------------------------- */
