@@ -231,8 +231,9 @@ def _end_of(cell: str) -> tuple[int, int]:
 def read_text_table(path: Path, group: str | None = None) -> TextTable:
     """Return the table in a text file by its first lines. Raises RecordingError if it is no text, or holds no table."""
     path = without_groups(path, group)
-    above = itertools.takewhile(lambda line: not _may_be_row(line), lines_of(path))
-    comments = [match[1].strip() for _, text in above if (match := _COMMENT.fullmatch(text)) is not None]
+    # Not by a name of this frame, which a traceback keeps: the file would stay open as long.
+    found = [_COMMENT.fullmatch(text) for _, text in itertools.takewhile(_is_above, lines_of(path))]
+    comments = [match[1].strip() for match in found if match is not None]
     separator = "\t" if path.suffix.lower() == ".tsv" else None
 
     def lines() -> Iterator[Line]:
@@ -277,6 +278,11 @@ def table_of_lines(
     periods_s = stated_periods_s(layout.metadata, unit_stated=True)
     columns = _columns_of(layout, head)
     return TextTable(path, lines, layout, words, row_word, columns, layout.metadata, periods_s, notes)
+
+
+def _is_above(line: Line) -> bool:
+    """Return whether a line can be no row, as comments and blank lines above a table."""
+    return not _may_be_row(line)
 
 
 def _may_be_row(line: Line) -> bool:
