@@ -61,8 +61,11 @@ def fetch() -> Interpreter:
     (archive,) = folder.glob("*.tgz")
     if hashlib.sha256(archive.read_bytes()).hexdigest() != SHA256:
         raise CallerError(f"{archive.name} has another checksum than {VERSION} had: it is damaged or another")
+    (folder / "package").mkdir(exist_ok=True)
     with tarfile.open(archive) as opened:
-        opened.extractall(folder, filter="data")
+        for name in ("package/micropython.mjs", "package/micropython.wasm"):
+            if (held := opened.extractfile(name)) is not None:
+                (folder / name).write_bytes(held.read())
     return interpreter()
 
 
