@@ -183,7 +183,7 @@ class Loop:
         return -1.0 if self.answered[1] else self.answered[0]
 
 
-class Line:
+class FrameDecoder:
     """Frames of the serial line: COBS, a checksum, a version."""
 
     def __init__(self):
@@ -241,7 +241,7 @@ class Application:
 
     def __init__(self, send, set_drive, reset_cause):
         self.send, self.set_drive, self.reset_cause = send, set_drive, reset_cause
-        self.loop, self.line = Loop(), Line()
+        self.loop, self.line = Loop(), FrameDecoder()
         self.tick_count = self.sequence = self.command_sequence = self.bad_frames = 0
         self.stream_every = self.stream_left = 0
         self.storm = [0] * STORM_FRAMES
@@ -255,7 +255,7 @@ class Application:
     def _send(self, kind, payload):
         body = struct.pack("<BBH", n.VERSION, kind, self.sequence) + payload
         self.sequence = (self.sequence + 1) & 0xFFFF  # counts what is dropped, too: the host sees the gap
-        self.send(Line.framed(body))
+        self.send(FrameDecoder.framed(body))
 
     def _identify(self):
         periods = round(1e6 * n.TICK_S)

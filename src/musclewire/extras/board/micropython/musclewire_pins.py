@@ -10,7 +10,7 @@ from machine import I2C, PWM, WDT, WDT_RESET, Pin, reset_cause
 FULL = 65535
 
 
-class Bench:
+class SwitchedCircuit:
     """What the program may do with the circuit."""
 
     def __init__(self):

@@ -31,4 +31,4 @@ async def run(bench):
 
 def start():
     """Run it on the chip."""
-    asyncio.run(run(musclewire_pins.Bench()))
+    asyncio.run(run(musclewire_pins.SwitchedCircuit()))
