@@ -9,13 +9,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emulation.board import EmulatedBoard, rig_file_text
+from emulation.board import EmulatedBoard, micropython_for, rig_file_text
 from tests.extras.board.micropython.interpreters import require_interpreter
 
 import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.experiment import control_on_board
-from musclewire.extras.board import circuit_names, load_circuit, program_of
+from musclewire.extras.board import circuit_names, load_circuit, program_of, write_program
 from musclewire.extras.board._micropython.rules import Translation, UntranslatableError
 
 MODEL = Path(__file__).parents[4] / "firmware" / "models" / "paper-100um.json"
@@ -82,6 +82,20 @@ def test_the_board_closes_the_loop_by_itself_as_the_host_does(tmp_path: Path) ->
 
 
 @pytest.mark.emulated
+def test_a_board_without_a_model_is_driven_by_its_host(tmp_path: Path) -> None:
+    require_interpreter()
+    program = micropython_for("pico", tmp_path)
+    write_program(program_of("pico", "pico", None, NAMES).texts, program)
+    with EmulatedBoard(board="pico", pace="lockstep", elf=program) as board:
+        rig_file = tmp_path / "pico.toml"
+        rig_file.write_text(rig_file_text("pico", "paper-100um", board.port_url, lockstep=True), encoding="utf-8")
+        with mw.open_rig(rig_file, wire_temperature_k=295.15) as rig:
+            samples = [rig.exchange(1.5) for _ in range(5)]
+    ohm = [0.1 * sample.wire_voltage_v / sample.shunt_voltage_v for sample in samples]
+    assert ohm == pytest.approx([17.3] * 5, rel=0.02)
+
+
+@pytest.mark.emulated
 def test_a_host_that_goes_at_any_moment_leaves_nothing_out_after_a_quarter_of_a_second(tmp_path: Path) -> None:
     require_interpreter()
     random = np.random.default_rng(66)
@@ -119,8 +133,6 @@ def test_ctrl_c_ends_the_program_of_a_board_that_is_not_armed_and_the_wire_is_of
 @pytest.mark.emulated
 def test_a_file_that_is_not_whole_is_not_started(tmp_path: Path) -> None:
     require_interpreter()
-    from emulation.board import micropython_for
-
     program = micropython_for("pico", tmp_path)
     (program / "musclewire_rules.py").write_text("cut", encoding="utf-8")
     with pytest.raises(mw.RigError, match=r"musclewire_rules.py is not as it was written"):

@@ -214,7 +214,7 @@ def _messages() -> dict[str, Any]:
         "FIRMWARE_MINOR": 2,
         **{name: int(kinds[field]) for name, field in KINDS.items()},
         **{result.name: int(result) for result in results},
-        **{f"RESET_{cause.name}": int(cause) for cause in causes},
+        **{f"RESET_{cause.name}": int(cause) for cause in (causes.POWER_ON, causes.WATCHDOG)},
         **{name: int(injected[name]) for name in sorted(INJECTED)},
         "NAN_READING": int(injected.NAN),
         "LAYOUTS": {int(kind): layout.format for kind, layout in messages.LAYOUTS.items()},

@@ -41,7 +41,7 @@ def program_of(board: str, rig: str | Path, model: Path | None, names: tuple[str
 
     configuration, where = rig_configuration(rig)
     if not isinstance(configuration, SerialConfiguration):
-        raise CallerError(f"{where} is no board on a serial line: write a rig file for it, as 'musclewire rig pico'")
+        raise CallerError(f"{where} is no board on a serial line: give a copy of the rig file 'pico' with your wire")
     circuit, loop = load_circuit(board), None
     limits = configuration.protection_limits(
         wire_range_v=configuration.wire_range, shunt_range_v=configuration.shunt_range, readings_noisy=False

@@ -375,7 +375,7 @@ class Application:
         loop, (wire_v, shunt_v, count) = self.loop, self.sums
         wire_v, shunt_v = (wire_v / count, shunt_v / count) if count else (NAN, NAN)
         ohm = resistance(wire_v, shunt_v)
-        if not ohm > 0.0:
+        if not (ohm > 0.0 and n.ESTIMATOR):  # without current, or without a model
             value = NAN
         elif loop.closed_loop and loop.control is not None:
             value = loop.answer[0]
