@@ -16,24 +16,9 @@ import musclewire as mw
 from musclewire.errors import CallerError
 from musclewire.experiment import control_on_board
 from musclewire.extras.board import circuit_names, load_circuit, program_of, write_program
-from musclewire.extras.board._micropython.rules import Translation, UntranslatableError
 
 MODEL = Path(__file__).parents[4] / "firmware" / "models" / "paper-100um.json"
 NAMES = ("filter", "inverse-model")
-
-
-def powered(value: float) -> float:
-    return value**3
-
-
-def listed(value: float) -> float:
-    return float(np.median([value]))
-
-
-@pytest.mark.parametrize(("function", "named"), [(powered, "a power other than 2"), (listed, "np.median")])
-def test_what_has_no_form_there_is_named_with_its_place(function: object, named: str) -> None:
-    with pytest.raises(UntranslatableError, match=rf"{function.__name__}, line 2.*{named}"):  # type: ignore[attr-defined]
-        Translation().add(function)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("board", circuit_names())
