@@ -44,6 +44,11 @@ def test_what_does_not_fit_is_refused(board: str, rig: str, named: str) -> None:
         program_of(board, rig, None, NAMES)
 
 
+def test_a_controller_without_a_form_there_is_refused() -> None:
+    with pytest.raises(CallerError, match="fuzzy_tick, line 5 of it"):
+        program_of("pico", "pico", MODEL, ("filter", "fuzzy-pid"))
+
+
 def test_without_a_model_the_board_knows_no_estimator() -> None:
     texts = program_of("pico", "pico", None, NAMES).texts
     assert "filter_tick" not in texts["musclewire_rules.py"]

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from musclewire.compiled import row_in
+from musclewire.errors import CallerError
 
 # What MicroPython has under the same name.
 BUILT_IN = frozenset({"abs", "bool", "float", "int", "len", "max", "min", "range"})
@@ -37,7 +38,7 @@ class Each(NamedTuple):
     layout: np.dtype[Any]
 
 
-class UntranslatableError(TypeError):
+class UntranslatableError(CallerError):
     """What a board cannot do; with function and line."""
 
 
